@@ -1,0 +1,61 @@
+/* The LCM bus as Shakedown uses it: every subscription with a queue that does not drop, checked returns, and one
+ * URL rule. Also opens event logs by a file:// URL. */
+#ifndef SHAKEDOWN_COMMON_BUS_H
+#define SHAKEDOWN_COMMON_BUS_H
+
+#include <lcm/lcm.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/status.h"
+
+/* Recorded channels, in the order of record_ack_t.next_seq. */
+#define RECORD_CHANNEL_LIST(X)                                                                                         \
+    X(RUN_INFO)                                                                                                        \
+    X(PARTICLES)                                                                                                       \
+    X(SAMPLE)                                                                                                          \
+    X(FRAME_PARTICLES)                                                                                                 \
+    X(FRAME_CONTACTS)                                                                                                  \
+    X(END)
+
+enum record_channel {
+#define RECORD_CHANNEL_ENUM(name) RECORD_##name,
+    RECORD_CHANNEL_LIST(RECORD_CHANNEL_ENUM)
+#undef RECORD_CHANNEL_ENUM
+        RECORD_CHANNELS
+};
+
+/* Channel names; the others are plain literals here so that each is spelled once. */
+extern const char *const record_channel_name[RECORD_CHANNELS];
+#define CHANNEL_WALL_STATE   "WALL_STATE"
+#define CHANNEL_WALL_COMMAND "WALL_COMMAND"
+#define CHANNEL_RECORD_ACK   "RECORD_ACK"
+#define CHANNEL_STATUS       "STATUS"
+
+enum { BUS_MESSAGE_MAX = 60000 };
+
+struct bus {
+    lcm_t *lcm;
+    bool is_log; /* file:// URL: nobody answers */
+};
+
+/* Opens `url`; NULL or "" means $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0. A udpm URL without
+ * recv_buf_size gets recv_buf_size=4194304 appended. STATUS_BUS with the likely cause (no multicast route) on failure. */
+enum status bus_open(struct bus *bus, const char *url) MUST_USE;
+void bus_close(struct bus *bus);
+
+/* Raw subscription to the channel of exactly this name, queue capacity raised so that nothing is dropped in normal use. */
+enum status bus_subscribe(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user) MUST_USE;
+
+/* Publishes `size` bytes (at most BUS_MESSAGE_MAX). */
+enum status bus_publish(struct bus *bus, const char *channel, const void *data, size_t size) MUST_USE;
+
+/* Handles one message if one comes within timeout_ms (0: only what is there); *handled says whether.
+ * On a log, the end of the file gives STATUS_OK with *handled false. */
+enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled) MUST_USE;
+
+/* Monotonic wall-clock time in seconds. */
+double clock_now_s(void);
+
+#endif

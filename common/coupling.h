@@ -1,0 +1,55 @@
+/* What sim and wallctl tell each other, as plain data: the same for the loop over LCM and the loop in one process.
+ * Walls in the order x_lo x_hi [y_lo y_hi] z_lo z_hi; wall w belongs to pair w/2 and is its upper wall if w is odd. */
+#ifndef SHAKEDOWN_COMMON_COUPLING_H
+#define SHAKEDOWN_COMMON_COUPLING_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "common/scene.h"
+
+/* State of the walls after the forces of `step`. Fields as in lcmtypes/wall_state_t.lcm. */
+struct wall_state {
+    int64_t step;
+    double time_s;
+    int stage; /* -1 before the first command */
+    int64_t stage_step;
+    double stage_time_s;
+    double interval_s;
+    double kinetic_energy_j, elastic_energy_j;
+    int64_t energy_step;
+    double interface_residual_j;
+    int n_walls;
+    double position_m[SCENE_WALLS_MAX];
+    double velocity_m_per_s[SCENE_WALLS_MAX]; /* mean over the interval that ended at `step` */
+    double force_n[SCENE_WALLS_MAX];          /* of the particles on the wall, positive outward */
+    double stiffness_n_per_m[SCENE_WALLS_MAX];
+    double damping_kg_per_s[SCENE_WALLS_MAX];
+    double stage_position_m[SCENE_WALLS_MAX];
+};
+
+/* Motion from `step` over n_steps: x(t) = x + v t + a t^2/2, v(t) = v + a t. Fields as in wall_command_t.lcm. */
+struct wall_command {
+    int64_t step;
+    int stage;
+    bool finished;
+    int n_steps;
+    double fraction_done;
+    int n_walls;
+    double position_m[SCENE_WALLS_MAX];
+    double velocity_m_per_s[SCENE_WALLS_MAX];
+    double acceleration_m_per_s2[SCENE_WALLS_MAX];
+};
+
+/* Conversion to and from the generated types (lcmtypes); arrays point into `state`/`command`, no allocation.
+ * `from` checks n_walls and returns false for a message that does not fit. */
+struct _shakedown_wall_state_t;
+struct _shakedown_wall_command_t;
+void wall_state_to_message(const struct wall_state *state, int64_t run_id, int64_t seq,
+                           struct _shakedown_wall_state_t *message);
+bool wall_state_from_message(const struct _shakedown_wall_state_t *message, struct wall_state *state);
+void wall_command_to_message(const struct wall_command *command, int64_t run_id, int64_t seq, double time_s,
+                             struct _shakedown_wall_command_t *message);
+bool wall_command_from_message(const struct _shakedown_wall_command_t *message, struct wall_command *command);
+
+#endif

@@ -1,0 +1,33 @@
+/* Sender's side of the record stream (lcmtypes/CHANNELS.md): ordered, windowed, sent again until acknowledged. */
+#ifndef SHAKEDOWN_COMMON_RECORD_STREAM_H
+#define SHAKEDOWN_COMMON_RECORD_STREAM_H
+
+#include "common/bus.h"
+
+struct record_stream;
+
+/* `bus` must outlive the stream; timeout_s: longest wait for an acknowledgement before STATUS_TIMEOUT. On a log
+ * (bus->is_log) records are written at once and nothing is waited for. */
+enum status record_stream_create(struct record_stream **stream, struct bus *bus, int64_t run_id,
+                                 double timeout_s) MUST_USE;
+void record_stream_free(struct record_stream *stream);
+
+/* The seq the next record on this channel must carry. */
+int64_t record_stream_next_seq(const struct record_stream *stream, enum record_channel channel);
+
+/* Queues a copy of the encoded record and sends it when the window allows. Blocks only while more than 64 MB wait,
+ * and then at most timeout_s. STATUS_IO if the recorder said that it cannot write. */
+enum status record_stream_publish(struct record_stream *stream, enum record_channel channel, const void *data,
+                                  size_t size) MUST_USE;
+
+/* Handles acknowledgements that have come, sends what the window allows, sends again what is late. Never blocks. */
+enum status record_stream_service(struct record_stream *stream) MUST_USE;
+
+/* Waits until everything is acknowledged (for END: until `complete`), at most timeout_s. */
+enum status record_stream_flush(struct record_stream *stream) MUST_USE;
+
+int64_t record_stream_total(const struct record_stream *stream, enum record_channel channel); /* records published */
+int64_t record_stream_repeated(const struct record_stream *stream); /* records sent again */
+int64_t record_stream_waiting(const struct record_stream *stream);  /* not yet acknowledged */
+
+#endif

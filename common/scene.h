@@ -1,0 +1,164 @@
+/* The scene: everything a run is told, as plain data. sim reads what concerns particles and recording, wallctl what
+ * concerns walls and stages, the analyzer what concerns the evaluation. No physics here. */
+#ifndef SHAKEDOWN_COMMON_SCENE_H
+#define SHAKEDOWN_COMMON_SCENE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "common/config_table.h"
+#include "common/status.h"
+
+enum { SCENE_STAGES_MAX = 64, SCENE_AXES = 3, SCENE_WALLS_MAX = 6 };
+
+enum axis { AXIS_X, AXIS_Y, AXIS_Z };
+
+enum contact_law { LAW_LINEAR, LAW_HYSTERETIC };
+
+/* [D] = David et al. 2007, [LH] = Luding & Herrmann 2001 */
+struct scene_material {
+    int law;                 /* enum contact_law */
+    double kn_n_per_m;       /* linear law: k of [D eq. 1] */
+    double k1_n_per_m;       /* hysteretic law [LH eq. 1.6] */
+    double k2_n_per_m;
+    double kc_n_per_m;
+    double gamma_n_kg_per_s; /* gamma_0, normal dissipation */
+    double mu_s;             /* static and dynamic Coulomb coefficient; both 0: no friction, no rotation */
+    double mu_d;             /* negative in the file's default: as mu_s */
+    double kt_n_per_m;
+    double gamma_t_kg_per_s;
+    double gamma_b_kg_per_s;  /* background damping of translation */
+    double gamma_br_kg_per_s; /* of rotation: torque -gamma_br a^2 omega */
+};
+
+enum wall_mode { WALL_FIXED, WALL_STRAIN, WALL_STRESS };
+enum wall_opposite { OPPOSITE_FIXED, OPPOSITE_MIRROR, OPPOSITE_CONSTANT };
+enum wall_target { TARGET_CONSTANT, TARGET_RAMP, TARGET_COSINE };
+
+/* One axis: the wall at its upper end, and what the lower one does. */
+struct scene_axis {
+    int mode;               /* enum wall_mode */
+    int opposite;           /* enum wall_opposite */
+    double strain;          /* strain control [LH eq. 1.1]: final strain, z_f = z_0 (1 - strain) */
+    double frequency_hz;    /* f = omega / 2 pi; the motion takes 1/(2f) */
+    int target;             /* stress control [LH eq. 1.2]: enum wall_target */
+    double pressure_pa;     /* constant; start of a ramp; p0 of cycles */
+    double pressure_end_pa; /* end of a ramp */
+    double ramp_s;
+    double amplitude_pa;    /* delta sigma: p0 + (amplitude/2) (1 - cos 2 pi t / period) */
+    double period_s;
+    double mass_kg;
+    double damping_kg_per_s;
+};
+
+struct scene_stage {
+    char name[CONFIG_STRING_MAX];
+    double dt_s;
+    double duration_s;          /* its length, or the limit in time when a condition is given */
+    double until_energy_ratio;  /* ends when E_kin/E_pot is below this; 0: no condition */
+    double until_stress_error;  /* ends when every stress-controlled axis is within this fraction of its target */
+    double min_duration_s;      /* conditions are not looked at before */
+    double sample_interval_s;   /* 0: duration/500 */
+    double frame_interval_s;    /* 0: frames only at frame_strains and at the end of the stage */
+    struct config_floats frame_strains; /* of the strain-controlled axis, increasing */
+    struct scene_material material;
+    struct scene_axis axis[SCENE_AXES];
+};
+
+enum radius_distribution { RADIUS_UNIFORM, RADIUS_GAUSSIAN };
+enum initial_state { INITIAL_LATTICE, INITIAL_RANDOM, INITIAL_CHECKPOINT };
+
+struct scene_sample {
+    int64_t count;
+    int radius_distribution; /* enum radius_distribution */
+    double radius_min_m;     /* uniform: bounds; gaussian: cut-offs */
+    double radius_max_m;
+    double radius_mean_m;    /* gaussian */
+    double radius_sd_m;
+    double density_kg_per_m3;
+    int initial;                      /* enum initial_state */
+    char checkpoint[CONFIG_STRING_MAX]; /* its path, relative to the scene file */
+    double gap_ratio;                 /* lattice: spacing is 2 r_max (1 + gap_ratio) */
+    double solid_fraction;            /* random: of the starting box */
+    double aspect_ratio;              /* starting box: height z over width x (and y = x) */
+    double speed_m_per_s;             /* starting velocities, uniform in [-speed, speed] per component */
+};
+
+enum coupling_scheme { SCHEME_HOLD };
+
+struct scene_coupling {
+    int scheme;             /* enum coupling_scheme */
+    int64_t interval_steps; /* n */
+    double timeout_s;       /* without an answer from wallctl or the recorder, sim gives up */
+};
+
+enum record_walls { RECORD_WALLS_SAMPLED, RECORD_WALLS_FULL };
+
+struct scene_record {
+    int walls;      /* enum record_walls: in every sample, or each exchange */
+    bool event_log; /* also keep the raw messages as run.lcm */
+};
+
+struct scene_neighbor {
+    double skin_ratio; /* skin of the Verlet list over the mean radius */
+};
+
+struct scene_analysis {
+    char stage[CONFIG_STRING_MAX]; /* name of the stage to evaluate; "" = the last */
+    double modulus_strain;         /* window of the initial slopes: strain 0 to this */
+    double residual_strain;        /* window of the residual stress: the last part of the strain */
+    double dilatancy_min_strain;   /* window of the dilatancy slope */
+    double dilatancy_max_strain;   /* 0: to the end of the test */
+};
+
+struct scene {
+    char name[CONFIG_STRING_MAX];
+    int64_t dimension; /* 2 or 3 */
+    int64_t seed;
+    struct config_floats gravity_m_per_s2; /* x y z; empty: none */
+    struct scene_sample sample;
+    struct scene_material material; /* of every stage that does not say otherwise */
+    struct scene_axis axis[SCENE_AXES];
+    struct scene_coupling coupling;
+    struct scene_record record;
+    struct scene_neighbor neighbor;
+    struct scene_analysis analysis;
+    double checkpoint_interval_s; /* wall-clock */
+    int64_t n_stages;
+    struct scene_stage stage[SCENE_STAGES_MAX];
+    char *text; /* the file as read, owned */
+};
+
+/* Reads a scene file, applies `n_overrides` assignments "path=value", checks it. `scene` is large: allocate it.
+ * Errors: STATUS_IO (no such file), STATUS_CONFIG ("file:line: key: what is wrong; what is allowed"). */
+enum status scene_load(struct scene *scene, const char *path, const char *const *overrides,
+                       int n_overrides) MUST_USE;
+
+/* The same from a text, e.g. the effective configuration of a recorded run; `name` stands for the file in errors. */
+enum status scene_parse(struct scene *scene, const char *text, const char *name) MUST_USE;
+
+/* Releases what `scene` owns. */
+void scene_free(struct scene *scene);
+
+/* Writes the effective configuration: every key with the value in force; scene_parse reads it back to the same scene. */
+void scene_print(FILE *out, const struct scene *scene);
+
+/* Writes docs/scene-reference.md. */
+void scene_print_reference(FILE *out);
+
+/* What the scene needs modelled, over all stages. */
+bool scene_is_frictional(const struct scene *scene);
+bool scene_is_hysteretic(const struct scene *scene);
+
+/* Number of walls (4 or 6), and the axis of the k-th pair of walls: 2D has x, z; 3D x, y, z. */
+int scene_wall_count(const struct scene *scene);
+enum axis scene_pair_axis(const struct scene *scene, int pair);
+
+/* "dense", ... : the index of a stage by name; -1 if there is none. "" is the last. */
+int scene_stage_find(const struct scene *scene, const char *name);
+
+/* Time of all stages, limits counted in full. */
+double scene_total_time_s(const struct scene *scene);
+
+#endif
