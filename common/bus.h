@@ -3,6 +3,7 @@
 #ifndef SHAKEDOWN_COMMON_BUS_H
 #define SHAKEDOWN_COMMON_BUS_H
 
+#include <lcm/eventlog.h>
 #include <lcm/lcm.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -36,23 +37,41 @@ extern const char *const record_channel_name[RECORD_CHANNELS];
 enum { BUS_MESSAGE_MAX = 60000 };
 
 struct bus {
-    lcm_t *lcm;
-    bool is_log; /* file:// URL: nobody answers */
+    lcm_t *lcm;             /* NULL when a log is written: use the functions below */
+    bool is_log;            /* file:// URL: nobody answers */
+    lcm_eventlog_t *log;    /* a log that is written; LCM's own log writer does not notice a full disk */
+    int64_t clock_start_us; /* stamps of that log: wall-clock time at its start, and the monotonic time since */
+    double opened_at_s;
 };
 
 /* Opens `url`; NULL or "" means $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0. A udpm URL without
- * recv_buf_size gets recv_buf_size=4194304 appended. STATUS_BUS with the likely cause (no multicast route) on failure. */
+ * recv_buf_size gets recv_buf_size=4194304 appended.
+ * A file:// URL reads the log as fast as possible (speed=0 is appended), or writes it with ?mode=w. STATUS_BUS with the
+ * likely cause (no multicast route) on failure. */
 enum status bus_open(struct bus *bus, const char *url) MUST_USE;
 void bus_close(struct bus *bus);
 
-/* Raw subscription to the channel of exactly this name, queue capacity raised so that nothing is dropped in normal use. */
+/* Writes what a log that is written still buffers, so that a full disk is noticed; does nothing on a network.
+ * STATUS_IO if the disk does not take it. */
+enum status bus_flush(struct bus *bus) MUST_USE;
+
+/* Raw subscription to the channel of exactly this name, queue capacity raised so that nothing is dropped in normal use.
+ */
 enum status bus_subscribe(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user) MUST_USE;
 
-/* Publishes `size` bytes (at most BUS_MESSAGE_MAX). */
+/* The same, for a subscriber that ends before the bus: *subscription goes to bus_unsubscribe (NULL on a log that is
+ * written, which delivers nothing). */
+enum status bus_subscribe_for_a_while(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user,
+                                      lcm_subscription_t **subscription) MUST_USE;
+void bus_unsubscribe(struct bus *bus, lcm_subscription_t *subscription);
+
+/* Publishes `size` bytes (at most BUS_MESSAGE_MAX, else STATUS_LIMIT). That LCM took them says nothing about arrival.
+ */
 enum status bus_publish(struct bus *bus, const char *channel, const void *data, size_t size) MUST_USE;
 
 /* Handles one message if one comes within timeout_ms (0: only what is there); *handled says whether.
- * On a log, the end of the file gives STATUS_OK with *handled false. */
+ * On a log, the end of the file gives STATUS_OK with *handled false. A signal ends the wait early, *handled false.
+ * Not to be called from a handler. */
 enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled) MUST_USE;
 
 /* Monotonic wall-clock time in seconds. */

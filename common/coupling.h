@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "common/message.h"
 #include "common/scene.h"
 
 /* State of the walls after the forces of `step`. Fields as in lcmtypes/wall_state_t.lcm. */
@@ -51,5 +52,16 @@ bool wall_state_from_message(const struct _shakedown_wall_state_t *message, stru
 void wall_command_to_message(const struct wall_command *command, int64_t run_id, int64_t seq, double time_s,
                              struct _shakedown_wall_command_t *message);
 bool wall_command_from_message(const struct _shakedown_wall_command_t *message, struct wall_command *command);
+
+/* Size check, decoding and conversion of what came from the bus, safe for any bytes: false, and nothing but the header
+ * read (zero if even that does not fit), for a message that is not of the type or does not fit. */
+bool wall_state_decode(const void *data, size_t size, struct message_header *header, struct wall_state *state);
+bool wall_command_decode(const void *data, size_t size, struct message_header *header, struct wall_command *command);
+
+/* Encodes into `buffer` [WALL_MESSAGE_MAX] bytes; returns the size, 0 if it does not fit. */
+enum { WALL_MESSAGE_MAX = 512 };
+size_t wall_state_encode(const struct wall_state *state, int64_t run_id, int64_t seq, unsigned char *buffer);
+size_t wall_command_encode(const struct wall_command *command, int64_t run_id, int64_t seq, double time_s,
+                           unsigned char *buffer);
 
 #endif

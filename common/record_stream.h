@@ -27,7 +27,7 @@ enum status record_stream_service(struct record_stream *stream) MUST_USE;
 enum status record_stream_flush(struct record_stream *stream) MUST_USE;
 
 int64_t record_stream_total(const struct record_stream *stream, enum record_channel channel); /* records published */
-int64_t record_stream_repeated(const struct record_stream *stream); /* records sent again */
-int64_t record_stream_waiting(const struct record_stream *stream);  /* not yet acknowledged */
+int64_t record_stream_repeated(const struct record_stream *stream);                           /* records sent again */
+int64_t record_stream_waiting(const struct record_stream *stream);                            /* not yet acknowledged */
 
 #endif

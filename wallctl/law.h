@@ -7,9 +7,18 @@
 #include "common/scene.h"
 #include "common/status.h"
 
-/* The command that answers `state` under `scene`. Pure: the same input gives the same bits.
- * STATUS_FORMAT if the state does not fit the scene (number of walls, stage index, not finite). */
-enum status wallctl_law(const struct scene *scene, const struct wall_state *state, struct wall_command *command) MUST_USE;
+/* The command that answers `state` under `scene`. Pure: the same input gives the same bits. Time in the stage is
+ * stage_step * dt_s, so that it does not depend on how the sender adds it up.
+ * Strain control [LH eq. 1.1]: ends every interval on the path; `opposite`: the lower wall rests or takes half.
+ * Stress control [LH eq. 1.2]: m dv/dt = F - p A - gamma v, v the outward velocity, from the middle of the last
+ * interval to the middle of the next, T apart (the damping exactly integrated): v+ = exp(-gamma T/m) v- + (1 -
+ * exp(-gamma T/m))/gamma (F - p A); v+ is the mean velocity over the next interval. Mirrored walls are one degree of
+ * freedom of that mass and damping with the mean of both forces; opposite "constant" is a wall of its own at
+ * pressure_pa. A stage ends after duration_s/dt_s steps, or when all its conditions hold; then the command begins the
+ * next one. STATUS_FORMAT if the state does not fit the scene (number of walls, stage index, not finite, walls
+ * crossed), STATUS_UNSTABLE if no finite command follows. */
+enum status wallctl_law(const struct scene *scene, const struct wall_state *state,
+                        struct wall_command *command) MUST_USE;
 
 /* Target pressure of a stress-controlled axis at time t in its stage [N/m^2]. */
 double wallctl_target_pressure_pa(const struct scene_axis *axis, double t_s);

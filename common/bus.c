@@ -1,0 +1,218 @@
+#include "common/bus.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#define DEFAULT_URL      "udpm://239.255.76.67:7667?ttl=0"
+#define RECV_BUF_SIZE    "recv_buf_size=4194304"
+#define UDPM_SCHEME      "udpm://"
+#define LOG_SCHEME       "file://"
+#define NO_MULTICAST_FIX "`ip link set lo up; ip route add 224.0.0.0/4 dev lo`, or run with --private"
+
+enum { URL_MAX = 4096, QUEUE_CAPACITY = 65536, CHANNEL_NAME_MAX = 63 /* LCM's own limit */ };
+
+#define RECORD_CHANNEL_NAME(name) #name,
+const char *const record_channel_name[RECORD_CHANNELS] = {RECORD_CHANNEL_LIST(RECORD_CHANNEL_NAME)};
+#undef RECORD_CHANNEL_NAME
+
+double clock_now_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now); /* cannot fail with this clock */
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static bool starts_with(const char *text, const char *start)
+{
+    return strncmp(text, start, strlen(start)) == 0;
+}
+
+static const char *url_resolve(const char *url)
+{
+    const char *environment = getenv("LCM_DEFAULT_URL");
+    if (url && url[0])
+        return url;
+    return environment && environment[0] ? environment : DEFAULT_URL;
+}
+
+/* Appends the options that Shakedown always wants. */
+static enum status url_complete(const char *url, char full[URL_MAX])
+{
+    const char *option = NULL;
+    if (starts_with(url, UDPM_SCHEME) && !strstr(url, "recv_buf_size="))
+        option = RECV_BUF_SIZE;
+    if (starts_with(url, LOG_SCHEME) && !(strchr(url, '?') && strstr(strchr(url, '?'), "speed=")))
+        option = "speed=0";
+    int length =
+        snprintf(full, URL_MAX, "%s%s%s", url, option ? (strchr(url, '?') ? "&" : "?") : "", option ? option : "");
+    return length < URL_MAX ? STATUS_OK : status_fail(STATUS_USAGE, "the LCM URL is longer than %d bytes", URL_MAX - 1);
+}
+
+static enum status log_create(struct bus *bus, const char *url)
+{
+    char path[URL_MAX];
+    struct timespec now;
+    snprintf(path, sizeof path, "%s", url + strlen(LOG_SCHEME));
+    char *options = strchr(path, '?');
+    if (options)
+        *options = '\0';
+    bus->log = lcm_eventlog_create(path, "w");
+    if (!bus->log)
+        return status_fail(STATUS_IO, "cannot write the event log \"%s\": %s", path, strerror(errno));
+    clock_gettime(CLOCK_REALTIME, &now); /* cannot fail with this clock */
+    bus->clock_start_us = (int64_t)now.tv_sec * 1000000 + now.tv_nsec / 1000;
+    bus->opened_at_s = clock_now_s();
+    return STATUS_OK;
+}
+
+/* LCM's threads inherit this thread's signal mask. With everything blocked in them, signals reach the loop that looks
+ * at them and never interrupt a receive. */
+static lcm_t *lcm_create_quiet(const char *url, bool *receives)
+{
+    sigset_t all, before;
+    bool masked = sigfillset(&all) == 0 && pthread_sigmask(SIG_SETMASK, &all, &before) == 0;
+    lcm_t *lcm = lcm_create(url);
+    *receives = lcm && lcm_get_fileno(lcm) >= 0; /* sets up the receiver, self test included */
+    if (masked)
+        pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return lcm;
+}
+
+static enum status open_failure(const char *url)
+{
+    if (starts_with(url, UDPM_SCHEME))
+        return status_fail(STATUS_BUS,
+                           "cannot open the LCM bus \"%s\": most likely there is no multicast route, or a firewall "
+                           "drops multicast; try " NO_MULTICAST_FIX,
+                           url);
+    if (starts_with(url, LOG_SCHEME))
+        return status_fail(STATUS_BUS, "cannot read the event log \"%s\": missing, empty or not an LCM log", url);
+    return status_fail(STATUS_BUS, "cannot open the LCM bus \"%s\": not a URL that LCM knows", url);
+}
+
+enum status bus_open(struct bus *bus, const char *url)
+{
+    char full[URL_MAX];
+    bool receives = false;
+    memset(bus, 0, sizeof *bus);
+    TRY(url_complete(url_resolve(url), full));
+    bus->is_log = starts_with(full, LOG_SCHEME);
+    if (bus->is_log && strstr(strchr(full, '?'), "mode=w")) /* url_complete saw to the question mark */
+        return log_create(bus, full);
+    bus->lcm = lcm_create_quiet(full, &receives);
+    if (receives)
+        return STATUS_OK;
+    bus_close(bus);
+    return open_failure(full);
+}
+
+void bus_close(struct bus *bus)
+{
+    if (bus->lcm)
+        lcm_destroy(bus->lcm);
+    if (bus->log)
+        lcm_eventlog_destroy(bus->log);
+    memset(bus, 0, sizeof *bus);
+}
+
+enum status bus_flush(struct bus *bus)
+{
+    if (bus->log && (fflush(bus->log->f) != 0 || ferror(bus->log->f)))
+        return status_fail(STATUS_IO, "cannot write the event log: %s", strerror(errno));
+    return STATUS_OK;
+}
+
+/* LCM takes channels as regular expressions; a backslash makes every other sign stand for itself. */
+static enum status channel_escape(const char *channel, char escaped[2 * CHANNEL_NAME_MAX + 1])
+{
+    size_t length = strlen(channel), out = 0;
+    if (length == 0 || length > CHANNEL_NAME_MAX)
+        return status_fail(STATUS_LIMIT, "a channel name has 1 to %d characters, \"%s\" has %zu", CHANNEL_NAME_MAX,
+                           channel, length);
+    for (size_t k = 0; k < length; k++) {
+        if (strchr("\\^$.|?*+()[]{}", channel[k]))
+            escaped[out++] = '\\';
+        escaped[out++] = channel[k];
+    }
+    escaped[out] = '\0';
+    return STATUS_OK;
+}
+
+enum status bus_subscribe_for_a_while(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user,
+                                      lcm_subscription_t **subscription)
+{
+    char pattern[2 * CHANNEL_NAME_MAX + 1];
+    *subscription = NULL;
+    TRY(channel_escape(channel, pattern));
+    if (!bus->lcm)
+        return STATUS_OK;
+    *subscription = lcm_subscribe(bus->lcm, pattern, handler, user);
+    if (!*subscription)
+        return status_fail(STATUS_BUS, "cannot subscribe to %s; if the LCM self test failed, try " NO_MULTICAST_FIX,
+                           channel);
+    /* The default of 30 drops the newest message without a word. */
+    if (lcm_subscription_set_queue_capacity(*subscription, QUEUE_CAPACITY) != 0)
+        return status_fail(STATUS_BUS, "cannot set the queue capacity of %s", channel);
+    return STATUS_OK;
+}
+
+enum status bus_subscribe(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user)
+{
+    lcm_subscription_t *subscription = NULL;
+    return bus_subscribe_for_a_while(bus, channel, handler, user, &subscription);
+}
+
+void bus_unsubscribe(struct bus *bus, lcm_subscription_t *subscription)
+{
+    if (bus->lcm && subscription && lcm_unsubscribe(bus->lcm, subscription) != 0)
+        fprintf(stderr, "shakedown: warning: LCM does not know a subscription that is to end\n");
+}
+
+static enum status log_write(struct bus *bus, const char *channel, const void *data, size_t size)
+{
+    lcm_eventlog_event_t event = {.timestamp =
+                                      bus->clock_start_us + (int64_t)(1e6 * (clock_now_s() - bus->opened_at_s)),
+                                  .channellen = (int32_t)strlen(channel),
+                                  .datalen = (int32_t)size,
+                                  .channel = (char *)channel,
+                                  .data = (void *)data};
+    if (lcm_eventlog_write_event(bus->log, &event) != 0 || ferror(bus->log->f))
+        return status_fail(STATUS_IO, "cannot write the event log: %s", strerror(errno));
+    return STATUS_OK;
+}
+
+enum status bus_publish(struct bus *bus, const char *channel, const void *data, size_t size)
+{
+    if (size > BUS_MESSAGE_MAX)
+        return status_fail(STATUS_LIMIT, "a message of %zu bytes on %s; the limit is %d", size, channel,
+                           BUS_MESSAGE_MAX);
+    if (bus->log)
+        return log_write(bus, channel, data, size);
+    if (lcm_publish(bus->lcm, channel, data, (unsigned)size) != 0)
+        return status_fail(STATUS_BUS, "cannot publish %zu bytes on %s: %s", size, channel, strerror(errno));
+    return STATUS_OK;
+}
+
+/* lcm_handle_timeout is not used: when a signal interrupts its wait it goes on to block without a limit. */
+enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
+{
+    *handled = false;
+    if (!bus->lcm)
+        return STATUS_OK;
+    struct pollfd waiting = {.fd = lcm_get_fileno(bus->lcm), .events = POLLIN};
+    int ready = poll(&waiting, 1, timeout_ms);
+    if (ready < 0 && errno != EINTR)
+        return status_fail(STATUS_BUS, "cannot wait for messages: %s", strerror(errno));
+    if (ready <= 0)
+        return STATUS_OK;
+    *handled = lcm_handle(bus->lcm) == 0;
+    if (!*handled && !bus->is_log) /* on a log it is the end of the file */
+        return status_fail(STATUS_BUS, "LCM cannot handle a message: %s", strerror(errno));
+    return STATUS_OK;
+}

@@ -1,0 +1,153 @@
+#include "common/coupling.h"
+
+#include <limits.h>
+#include <string.h>
+
+#include "shakedown_wall_command_t.h"
+#include "shakedown_wall_state_t.h"
+
+/* Arrays of doubles that follow the count of walls. */
+enum { STATE_ARRAYS = 6, COMMAND_ARRAYS = 3 };
+
+static bool wall_count_fits(int n_walls)
+{
+    return n_walls == 4 || n_walls == 6;
+}
+
+void wall_state_to_message(const struct wall_state *state, int64_t run_id, int64_t seq,
+                           struct _shakedown_wall_state_t *message)
+{
+    /* The generated type has no const; encoding does not write. */
+    struct wall_state *s = (struct wall_state *)state;
+    *message = (shakedown_wall_state_t){.run_id = run_id,
+                                        .seq = seq,
+                                        .step = s->step,
+                                        .time_s = s->time_s,
+                                        .stage = s->stage,
+                                        .stage_step = s->stage_step,
+                                        .stage_time_s = s->stage_time_s,
+                                        .interval_s = s->interval_s,
+                                        .kinetic_energy_j = s->kinetic_energy_j,
+                                        .elastic_energy_j = s->elastic_energy_j,
+                                        .energy_step = s->energy_step,
+                                        .interface_residual_j = s->interface_residual_j,
+                                        .n_walls = s->n_walls,
+                                        .position_m = s->position_m,
+                                        .velocity_m_per_s = s->velocity_m_per_s,
+                                        .force_n = s->force_n,
+                                        .stiffness_n_per_m = s->stiffness_n_per_m,
+                                        .damping_kg_per_s = s->damping_kg_per_s,
+                                        .stage_position_m = s->stage_position_m};
+}
+
+bool wall_state_from_message(const struct _shakedown_wall_state_t *message, struct wall_state *state)
+{
+    if (!wall_count_fits(message->n_walls))
+        return false;
+    *state = (struct wall_state){.step = message->step,
+                                 .time_s = message->time_s,
+                                 .stage = message->stage,
+                                 .stage_step = message->stage_step,
+                                 .stage_time_s = message->stage_time_s,
+                                 .interval_s = message->interval_s,
+                                 .kinetic_energy_j = message->kinetic_energy_j,
+                                 .elastic_energy_j = message->elastic_energy_j,
+                                 .energy_step = message->energy_step,
+                                 .interface_residual_j = message->interface_residual_j,
+                                 .n_walls = message->n_walls};
+    size_t bytes = (size_t)message->n_walls * sizeof(double);
+    memcpy(state->position_m, message->position_m, bytes);
+    memcpy(state->velocity_m_per_s, message->velocity_m_per_s, bytes);
+    memcpy(state->force_n, message->force_n, bytes);
+    memcpy(state->stiffness_n_per_m, message->stiffness_n_per_m, bytes);
+    memcpy(state->damping_kg_per_s, message->damping_kg_per_s, bytes);
+    memcpy(state->stage_position_m, message->stage_position_m, bytes);
+    return true;
+}
+
+void wall_command_to_message(const struct wall_command *command, int64_t run_id, int64_t seq, double time_s,
+                             struct _shakedown_wall_command_t *message)
+{
+    struct wall_command *c = (struct wall_command *)command; /* as above */
+    *message = (shakedown_wall_command_t){.run_id = run_id,
+                                          .seq = seq,
+                                          .step = c->step,
+                                          .time_s = time_s,
+                                          .stage = c->stage,
+                                          .finished = c->finished,
+                                          .n_steps = c->n_steps,
+                                          .fraction_done = c->fraction_done,
+                                          .n_walls = c->n_walls,
+                                          .position_m = c->position_m,
+                                          .velocity_m_per_s = c->velocity_m_per_s,
+                                          .acceleration_m_per_s2 = c->acceleration_m_per_s2};
+}
+
+bool wall_command_from_message(const struct _shakedown_wall_command_t *message, struct wall_command *command)
+{
+    if (!wall_count_fits(message->n_walls))
+        return false;
+    *command = (struct wall_command){.step = message->step,
+                                     .stage = message->stage,
+                                     .finished = message->finished != 0,
+                                     .n_steps = message->n_steps,
+                                     .fraction_done = message->fraction_done,
+                                     .n_walls = message->n_walls};
+    size_t bytes = (size_t)message->n_walls * sizeof(double);
+    memcpy(command->position_m, message->position_m, bytes);
+    memcpy(command->velocity_m_per_s, message->velocity_m_per_s, bytes);
+    memcpy(command->acceleration_m_per_s2, message->acceleration_m_per_s2, bytes);
+    return true;
+}
+
+/* Reads the header (zero if there is none) and checks that the size belongs to 4 or 6 walls. */
+static bool message_fits(const void *data, size_t size, size_t empty_bytes, size_t arrays,
+                         struct message_header *header)
+{
+    int32_t n_walls = 0;
+    memset(header, 0, sizeof *header);
+    return size <= INT_MAX && message_header_read(data, size, header) &&
+           message_count_read(data, size, empty_bytes, arrays * sizeof(double), 0, &n_walls) &&
+           wall_count_fits(n_walls);
+}
+
+bool wall_state_decode(const void *data, size_t size, struct message_header *header, struct wall_state *state)
+{
+    shakedown_wall_state_t message = {0};
+    size_t empty_bytes = (size_t)shakedown_wall_state_t_encoded_size(&message);
+    if (!message_fits(data, size, empty_bytes, STATE_ARRAYS, header))
+        return false;
+    bool fits =
+        shakedown_wall_state_t_decode(data, 0, (int)size, &message) >= 0 && wall_state_from_message(&message, state);
+    shakedown_wall_state_t_decode_cleanup(&message);
+    return fits;
+}
+
+bool wall_command_decode(const void *data, size_t size, struct message_header *header, struct wall_command *command)
+{
+    shakedown_wall_command_t message = {0};
+    size_t empty_bytes = (size_t)shakedown_wall_command_t_encoded_size(&message);
+    if (!message_fits(data, size, empty_bytes, COMMAND_ARRAYS, header))
+        return false;
+    bool fits = shakedown_wall_command_t_decode(data, 0, (int)size, &message) >= 0 &&
+                wall_command_from_message(&message, command);
+    shakedown_wall_command_t_decode_cleanup(&message);
+    return fits;
+}
+
+size_t wall_state_encode(const struct wall_state *state, int64_t run_id, int64_t seq, unsigned char *buffer)
+{
+    shakedown_wall_state_t message;
+    wall_state_to_message(state, run_id, seq, &message);
+    int size = shakedown_wall_state_t_encode(buffer, 0, WALL_MESSAGE_MAX, &message);
+    return size < 0 ? 0 : (size_t)size;
+}
+
+size_t wall_command_encode(const struct wall_command *command, int64_t run_id, int64_t seq, double time_s,
+                           unsigned char *buffer)
+{
+    shakedown_wall_command_t message;
+    wall_command_to_message(command, run_id, seq, time_s, &message);
+    int size = shakedown_wall_command_t_encode(buffer, 0, WALL_MESSAGE_MAX, &message);
+    return size < 0 ? 0 : (size_t)size;
+}
