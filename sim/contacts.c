@@ -1,0 +1,111 @@
+#include "sim/contacts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/memory.h"
+
+/* Tables of contact_models.h: [dimension - 2][hysteretic][frictional] */
+#define DECLARE_TABLE(name) extern const struct contact_kernels contact_table_##name[2][2][2];
+KERNEL_ISA_LIST(DECLARE_TABLE)
+#undef DECLARE_TABLE
+
+const char *contact_isa_name(enum kernel_isa isa)
+{
+    static const char *const names[] = {
+#define ISA_NAME(name) #name,
+        KERNEL_ISA_LIST(ISA_NAME)
+#undef ISA_NAME
+    };
+    return names[isa];
+}
+
+bool contact_isa_supported(enum kernel_isa isa)
+{
+    switch (isa) {
+    default:
+        return true;
+    }
+}
+
+enum status contact_isa_select(enum kernel_isa *isa)
+{
+    const char *forced = getenv("SHAKEDOWN_ISA");
+    for (int k = ISA_COUNT - 1; k >= 0; k--) {
+        bool named = forced && strcmp(forced, contact_isa_name(k)) == 0;
+        if (named && !contact_isa_supported(k))
+            return status_fail(STATUS_USAGE, "SHAKEDOWN_ISA=%s: this CPU cannot run it", forced);
+        if (named || (!forced && contact_isa_supported(k))) {
+            *isa = k;
+            return STATUS_OK;
+        }
+    }
+    return status_fail(STATUS_USAGE, "SHAKEDOWN_ISA=%s is unknown; allowed: reference", forced);
+}
+
+struct contact_kernels contact_kernels_select(enum kernel_isa isa, int dimension, bool hysteretic, bool frictional)
+{
+    static const struct contact_kernels(*const tables[ISA_COUNT])[2][2] = {
+#define TABLE(name) contact_table_##name,
+        KERNEL_ISA_LIST(TABLE)
+#undef TABLE
+    };
+    return tables[isa][dimension - 2][hysteretic][frictional];
+}
+
+struct contact_law_constants contact_law_constants_of(const struct scene_material *m)
+{
+    bool linear = m->law == LAW_LINEAR;
+    struct contact_law_constants law = {
+        .k1 = linear ? m->kn_n_per_m : m->k1_n_per_m,
+        .k2 = linear ? m->kn_n_per_m : m->k2_n_per_m,
+        .kc = linear ? 0 : m->kc_n_per_m,
+        .gamma_n = m->gamma_n_kg_per_s,
+        .mu_s = m->mu_s,
+        .mu_d = m->mu_d,
+        .kt = m->kt_n_per_m,
+        .inv_kt = m->kt_n_per_m > 0 ? 1 / m->kt_n_per_m : 0,
+        .gamma_t = m->gamma_t_kg_per_s,
+    };
+    law.k2_minus_k1 = law.k2 - law.k1;
+    law.branch_ratio = law.k2_minus_k1 > 0 ? (law.k2 + law.kc) / law.k2_minus_k1 : 0;
+    double delta_min_ratio = law.k2_minus_k1 / (law.k2 + law.kc); /* delta_min = ratio delta_max [LH] */
+    law.loading_loss = 0.5 * law.k1 * (1 - law.k1 / law.k2);
+    law.adhesion_loss = 0.5 * law.kc * (1 + law.kc / law.k2) * delta_min_ratio * delta_min_ratio;
+    return law;
+}
+
+enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension)
+{
+    if (capacity <= list->capacity)
+        return STATUS_OK;
+    size_t size = (size_t)capacity, keep = (size_t)list->count;
+    TRY(array_resize(&list->i, sizeof *list->i, size, keep));
+    TRY(array_resize(&list->j, sizeof *list->j, size, keep));
+    if (list->hysteretic)
+        TRY(array_resize(&list->history, sizeof(double), size, keep));
+    for (int c = 0; c < dimension; c++)
+        TRY(array_resize(&list->force[c], sizeof(double), size, keep));
+    for (int c = 0; c < list->n_springs; c++) {
+        TRY(array_resize(&list->spring[c], sizeof(double), size, keep));
+        TRY(array_resize(&list->moment[c], sizeof(double), size, keep));
+    }
+    if (list->n_springs)
+        TRY(array_resize(&list->sliding, sizeof *list->sliding, size, keep));
+    list->capacity = capacity;
+    return STATUS_OK;
+}
+
+void contact_list_free(struct contact_list *list)
+{
+    free(list->i);
+    free(list->j);
+    free(list->history);
+    free(list->sliding);
+    for (int c = 0; c < 3; c++) {
+        free(list->force[c]);
+        free(list->spring[c]);
+        free(list->moment[c]);
+    }
+    memset(list, 0, sizeof *list);
+}

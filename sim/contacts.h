@@ -1,0 +1,87 @@
+/* Contacts: the lists of candidate pairs and wall contacts with their history, and the kernels that turn overlaps into
+ * forces. `n` is the unit normal from j (or the wall) to i; forces act on i and, reversed, on j. */
+#ifndef SHAKEDOWN_SIM_CONTACTS_H
+#define SHAKEDOWN_SIM_CONTACTS_H
+
+#include <stdint.h>
+
+#include "common/scene.h"
+#include "sim/particles.h"
+
+/* One stage's law, ready for the kernels. */
+struct contact_law_constants {
+    double k1, k2, kc;      /* N/m; linear law: k1 = k2, kc = 0 */
+    double gamma_n;         /* kg/s */
+    double mu_s, mu_d;
+    double kt, inv_kt;      /* N/m, m/N */
+    double gamma_t;         /* kg/s */
+    double dt;              /* s; 0: forces are evaluated anew and no time passes */
+    double k2_minus_k1;     /* k2 delta_0 = (k2 - k1) delta_max */
+    double branch_ratio;    /* on the adhesion branch delta_max = branch_ratio delta; 0 if k1 = k2 */
+    double loading_loss;    /* hysteresis loss per increase of delta_max^2: k1 (1 - k1/k2) / 2 */
+    double adhesion_loss;   /* and per decrease: kc (1 + kc/k2) ((k2 - k1)/(k2 + kc))^2 / 2 */
+};
+
+/* Energy lost in contacts since the start of the stage [J]. */
+struct contact_losses {
+    double hysteresis, viscous_normal, viscous_tangential, friction;
+};
+
+/* Candidates for contact with their history, sorted by (i, j). Open candidates have zero history and force. */
+struct contact_list {
+    int count, capacity;
+    int32_t *i;       /* [count] */
+    int32_t *j;       /* [count] other particle, i < j; in the wall list: wall, grouped by wall */
+    double *history;  /* delta_max [m]; hysteretic law only */
+    double *spring[3];  /* tangential spring at the middle of the step to come [m]: 1 component in 2D, 3 in 3D */
+    int32_t *sliding;   /* 1: slides */
+    double *force[3];   /* on i [N], dimension components */
+    double *moment[3];  /* n x f_t [N]: torque on i is -a_i moment, on j -a_j moment; as many as spring */
+    int n_springs;      /* 0 without friction */
+    bool hysteretic;
+};
+
+struct wall {
+    int axis;      /* component of its normal */
+    double inward; /* +1: lower wall, -1: upper wall: its normal into the box */
+    double x, v;   /* coordinate and velocity along the axis at the current step [m, m/s] */
+    double force;  /* of the particles on it, outward [N] */
+    double x_list; /* at the last rebuild of the lists */
+};
+
+typedef void contact_pair_kernel(const struct particles *particles, struct contact_list *pairs,
+                                 const struct contact_law_constants *law, struct contact_losses *losses);
+typedef void contact_wall_kernel(const struct particles *particles, struct contact_list *contacts, struct wall *walls,
+                                 int n_walls, const struct contact_law_constants *law, struct contact_losses *losses);
+
+struct contact_kernels {
+    contact_pair_kernel *pair;
+    contact_wall_kernel *wall;
+};
+
+/* Instruction sets, in the order of preference. */
+#define KERNEL_ISA_LIST(X) X(reference)
+enum kernel_isa {
+#define KERNEL_ISA_ENUM(name) ISA_##name,
+    KERNEL_ISA_LIST(KERNEL_ISA_ENUM)
+#undef KERNEL_ISA_ENUM
+        ISA_COUNT
+};
+
+const char *contact_isa_name(enum kernel_isa isa);
+bool contact_isa_supported(enum kernel_isa isa);
+
+/* The last of the list that the CPU can run, or what SHAKEDOWN_ISA names. STATUS_USAGE if it names something the CPU cannot run. */
+enum status contact_isa_select(enum kernel_isa *isa) MUST_USE;
+
+/* Kernels specialised for a model. dimension 2 or 3. */
+struct contact_kernels contact_kernels_select(enum kernel_isa isa, int dimension, bool hysteretic, bool frictional);
+
+/* Constants of a stage; dt is set by the caller at each force evaluation. */
+struct contact_law_constants contact_law_constants_of(const struct scene_material *material);
+
+/* Makes room for `capacity` members; contents are kept. */
+enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension) MUST_USE;
+void contact_list_free(struct contact_list *list);
+
+#endif

@@ -1,0 +1,102 @@
+#include "sim/exchange.h"
+
+#include "common/message.h"
+#include "common/signals.h"
+#include "wallctl/law.h"
+
+/* After this long without an answer the state is sent again. */
+static const double RESEND_S = 0.02;
+
+static void on_command(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    struct exchange *exchange = user;
+    struct message_header header;
+    struct wall_command command;
+    (void)channel;
+    if (!wall_command_decode(buffer->data, buffer->data_size, &header, &command) || header.run_id != exchange->run_id ||
+        header.step != exchange->asked_step || exchange->answered)
+        return;
+    exchange->answer = command;
+    exchange->answered = true;
+}
+
+enum status exchange_init(struct exchange *exchange, const struct scene *scene, struct bus *bus,
+                          struct record_stream *stream, int64_t run_id, bool in_process)
+{
+    *exchange = (struct exchange){.scene = scene,
+                                  .bus = bus,
+                                  .stream = stream,
+                                  .run_id = run_id,
+                                  .in_process = in_process,
+                                  .log_walls = bus->lcm && scene->record.walls == RECORD_WALLS_FULL};
+    return in_process ? STATUS_OK : bus_subscribe(bus, CHANNEL_WALL_COMMAND, on_command, exchange);
+}
+
+static enum status publish(struct exchange *exchange, const char *channel, const void *data, size_t size)
+{
+    if (size == 0)
+        return status_fail(STATUS_LIMIT, "%s is larger than %d bytes", channel, WALL_MESSAGE_MAX);
+    return bus_publish(exchange->bus, channel, data, size);
+}
+
+static enum status publish_state(struct exchange *exchange, const struct wall_state *state)
+{
+    unsigned char buffer[WALL_MESSAGE_MAX];
+    size_t size = wall_state_encode(state, exchange->run_id, exchange->seq, buffer);
+    return publish(exchange, CHANNEL_WALL_STATE, buffer, size);
+}
+
+static enum status publish_command(struct exchange *exchange, const struct wall_command *command, double time_s)
+{
+    unsigned char buffer[WALL_MESSAGE_MAX];
+    size_t size = wall_command_encode(command, exchange->run_id, exchange->seq, time_s, buffer);
+    return publish(exchange, CHANNEL_WALL_COMMAND, buffer, size);
+}
+
+static enum status call_law(struct exchange *exchange, const struct wall_state *state, struct wall_command *command)
+{
+    TRY(wallctl_law(exchange->scene, state, command));
+    if (exchange->log_walls) {
+        TRY(publish_state(exchange, state));
+        TRY(publish_command(exchange, command, state->time_s));
+    }
+    exchange->seq++;
+    return STATUS_OK;
+}
+
+static enum status wait_for_answer(struct exchange *exchange, const struct wall_state *state)
+{
+    double start = clock_now_s(), sent = start;
+    while (!exchange->answered) {
+        bool handled;
+        TRY(bus_handle(exchange->bus, (int)(1000 * RESEND_S), &handled));
+        if (exchange->answered)
+            break;
+        if (stop_requested())
+            return status_fail(STATUS_INTERRUPTED, "interrupted at step %lld", (long long)state->step);
+        TRY(record_stream_service(exchange->stream));
+        double now = clock_now_s();
+        if (now - start > exchange->scene->coupling.timeout_s)
+            return status_fail(STATUS_TIMEOUT, "step %lld: wallctl did not answer within %g s", (long long)state->step,
+                               exchange->scene->coupling.timeout_s);
+        if (now - sent >= RESEND_S) {
+            TRY(publish_state(exchange, state));
+            exchange->repeated++;
+            sent = now;
+        }
+    }
+    return STATUS_OK;
+}
+
+enum status exchange_walls(struct exchange *exchange, const struct wall_state *state, struct wall_command *command)
+{
+    if (exchange->in_process)
+        return call_law(exchange, state, command);
+    exchange->answered = false;
+    exchange->asked_step = state->step;
+    TRY(publish_state(exchange, state));
+    TRY(wait_for_answer(exchange, state));
+    *command = exchange->answer;
+    exchange->seq++;
+    return STATUS_OK;
+}

@@ -1,0 +1,32 @@
+/* The exchange with the controller: a wall state out, a wall command back; over LCM, or by calling the law here. */
+#ifndef SHAKEDOWN_SIM_EXCHANGE_H
+#define SHAKEDOWN_SIM_EXCHANGE_H
+
+#include "common/bus.h"
+#include "common/coupling.h"
+#include "common/record_stream.h"
+
+struct exchange {
+    const struct scene *scene;
+    struct bus *bus;
+    struct record_stream *stream; /* served while waiting */
+    int64_t run_id;
+    bool in_process;  /* the law is called here */
+    bool log_walls;   /* in_process: publish states and commands all the same, for the record */
+    int64_t seq;      /* of the next state */
+    int64_t repeated; /* states sent again */
+    bool answered;
+    struct wall_command answer;
+    int64_t asked_step;
+};
+
+/* Fills `exchange`; over LCM subscribes WALL_COMMAND. */
+enum status exchange_init(struct exchange *exchange, const struct scene *scene, struct bus *bus,
+                          struct record_stream *stream, int64_t run_id, bool in_process) MUST_USE;
+
+/* Asks for the command that answers `state`. STATUS_TIMEOUT after coupling.timeout_s without one,
+ * STATUS_INTERRUPTED when a stop was requested meanwhile. */
+enum status exchange_walls(struct exchange *exchange, const struct wall_state *state,
+                           struct wall_command *command) MUST_USE;
+
+#endif

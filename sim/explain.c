@@ -1,0 +1,64 @@
+#include "sim/explain.h"
+
+#include <math.h>
+
+#include "sim/records.h"
+#include "sim/world.h"
+
+static size_t bytes_per_particle(const struct particles *p)
+{
+    size_t reals = (size_t)(5 * p->dimension + 3 * p->n_rotations + 3 + (p->n_rotations > 0));
+    return reals * sizeof(double);
+}
+
+static size_t bytes_per_candidate(const struct contact_list *list, int dimension)
+{
+    size_t bytes = 2 * sizeof(int32_t) + (size_t)dimension * sizeof(double);
+    bytes += list->hysteretic ? sizeof(double) : 0;
+    bytes += list->n_springs ? 2 * (size_t)list->n_springs * sizeof(double) + sizeof(int32_t) : 0;
+    return bytes;
+}
+
+static void explain_contact_time(FILE *out, const struct world *world)
+{
+    const double pi = 3.14159265358979323846;
+    double lightest = world->particles.mass[0];
+    for (int i = 1; i < world->particles.count; i++)
+        lightest = world->particles.mass[i] < lightest ? world->particles.mass[i] : lightest;
+    for (int s = 0; s < world->scene->n_stages; s++) {
+        struct contact_law_constants law = contact_law_constants_of(&world->scene->stage[s].material);
+        double reduced = 0.5 * lightest, eta = law.gamma_n / (2 * reduced);
+        double omega2 = law.k2 / reduced - eta * eta;
+        fprintf(out, "  stage %d %-12s dt %.3g s, ", s, world->scene->stage[s].name, world->scene->stage[s].dt_s);
+        if (omega2 > 0)
+            fprintf(out, "shortest contact time %.3g s = %.0f steps\n", pi / sqrt(omega2),
+                    pi / sqrt(omega2) / world->scene->stage[s].dt_s);
+        else
+            fprintf(out, "contacts of the lightest particle are overdamped\n");
+    }
+}
+
+enum status explain_scene(FILE *out, const struct scene *scene)
+{
+    struct world *world;
+    char kernel_set[64];
+    TRY(world_create(&world, scene));
+    records_kernel_set(world, kernel_set, sizeof kernel_set);
+    const struct particles *p = &world->particles;
+    fprintf(out, "scene %s: %d particles, %d walls, %d stages\n", scene->name, p->count, world->n_walls,
+            (int)scene->n_stages);
+    fprintf(out, "kernel  %s\n", kernel_set);
+    fprintf(out, "modelled per particle: position, velocity, acceleration, force (%d components each)%s: %zu bytes\n",
+            p->dimension, p->n_rotations ? ", rotation" : "; no rotation", bytes_per_particle(p));
+    fprintf(out, "modelled per candidate contact: force%s%s: %zu bytes\n",
+            world->pairs.hysteretic ? ", largest overlap" : "",
+            world->pairs.n_springs ? ", tangential spring, stick or slide" : "; no tangential force",
+            bytes_per_candidate(&world->pairs, p->dimension));
+    fprintf(out, "starting box %g x %g", world_box_length_m(world, 0), world_box_length_m(world, 1));
+    if (p->dimension == 3)
+        fprintf(out, " x %g", world_box_length_m(world, 2));
+    fprintf(out, " m, skin of the lists %g m\n", world->neighbor.skin);
+    explain_contact_time(out, world);
+    world_free(world);
+    return STATUS_OK;
+}

@@ -1,0 +1,80 @@
+/* sim: the discrete element model as a process. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "common/command_line.h"
+#include "common/scene.h"
+#include "common/signals.h"
+#include "sim/explain.h"
+#include "sim/run.h"
+
+static const char usage[] =
+    "sim SCENE [--set key=value]... [--seed N] [--run-id N] [--lcm URL] [--in-process] [--progress]\n"
+    "  --in-process  close the wall loops here, without wallctl; records only with --lcm\n"
+    "  --progress    print the progress on stderr\n"
+    "  --check       only read and check the scene\n"
+    "  --explain     print what the scene models and what it costs\n"
+    "  --effective   print every key with the value in force\n"
+    "sim --reference prints the scene reference\n";
+
+struct options {
+    bool in_process, progress, check, explain, effective, reference;
+};
+
+static enum status act(const struct scene *scene, const struct command_line *line, const struct options *options)
+{
+    if (options->check)
+        return STATUS_OK;
+    if (options->explain)
+        return explain_scene(stdout, scene);
+    if (options->effective) {
+        scene_print(stdout, scene);
+        return STATUS_OK;
+    }
+    TRY(signals_install());
+    struct run_options run = {line->run_id, options->in_process, options->progress, line->lcm_url};
+    return run_scene(scene, &run);
+}
+
+static enum status load_and_act(const struct command_line *line, const struct options *options)
+{
+    if (line->n_positional != 1)
+        return status_fail(STATUS_USAGE, "exactly one scene file is needed (see --help)");
+    struct scene *scene = calloc(1, sizeof *scene);
+    if (!scene)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    enum status status = scene_load(scene, line->positional[0], line->override, line->n_overrides);
+    if (status == STATUS_OK)
+        status = act(scene, line, options);
+    scene_free(scene);
+    free(scene);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct options options = {0};
+    const struct command_line_option own[] = {{"in-process", NULL, &options.in_process},
+                                              {"progress", NULL, &options.progress},
+                                              {"check", NULL, &options.check},
+                                              {"explain", NULL, &options.explain},
+                                              {"effective", NULL, &options.effective},
+                                              {"reference", NULL, &options.reference},
+                                              {NULL, NULL, NULL}};
+    struct command_line line;
+    enum status status = command_line_parse(&line, argc, argv, own);
+    if (status == STATUS_OK && (line.help || options.reference)) {
+        if (line.help)
+            fputs(usage, stdout);
+        else
+            scene_print_reference(stdout);
+        return 0;
+    }
+    if (status == STATUS_OK && line.version) {
+        puts(SHAKEDOWN_VERSION);
+        return 0;
+    }
+    if (status == STATUS_OK)
+        status = load_and_act(&line, &options);
+    return status_report("sim", status);
+}

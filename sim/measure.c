@@ -1,0 +1,312 @@
+#include "sim/measure.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/contact_law.h"
+
+/* Geometry of a candidate: overlap (<= 0: open), unit normal from j or the wall to i, and distance along it. */
+struct geometry {
+    double overlap, n[3], distance;
+};
+
+static struct geometry pair_geometry(const struct particles *p, int i, int j)
+{
+    struct geometry g = {0};
+    double d2 = 0;
+    for (int c = 0; c < p->dimension; c++) {
+        g.n[c] = p->x[c][i] - p->x[c][j];
+        d2 += g.n[c] * g.n[c];
+    }
+    g.distance = sqrt(d2);
+    for (int c = 0; c < p->dimension; c++)
+        g.n[c] *= 1 / g.distance;
+    g.overlap = p->radius[i] + p->radius[j] - g.distance;
+    return g;
+}
+
+static struct geometry wall_geometry(const struct particles *p, int i, const struct wall *wall)
+{
+    struct geometry g = {0};
+    g.n[wall->axis] = wall->inward;
+    g.distance = wall->inward * (p->x[wall->axis][i] - wall->x);
+    g.overlap = p->radius[i] - g.distance;
+    return g;
+}
+
+static struct geometry geometry_of(const struct world *world, const struct contact_list *list, int k)
+{
+    if (list == &world->pairs)
+        return pair_geometry(&world->particles, list->i[k], list->j[k]);
+    return wall_geometry(&world->particles, list->i[k], &world->walls[list->j[k]]);
+}
+
+double measure_kinetic_energy_j(const struct world *world)
+{
+    const struct particles *p = &world->particles;
+    double sum = 0;
+    for (int c = 0; c < p->dimension; c++)
+        for (int i = 0; i < p->count; i++)
+            sum += p->mass[i] * p->v[c][i] * p->v[c][i];
+    for (int c = 0; c < p->n_rotations; c++)
+        for (int i = 0; i < p->count; i++)
+            sum += p->omega[c][i] * p->omega[c][i] / p->inv_inertia[i];
+    return 0.5 * sum;
+}
+
+double measure_potential_energy_j(const struct world *world)
+{
+    const struct particles *p = &world->particles;
+    double sum = 0;
+    for (int c = 0; c < p->dimension; c++)
+        for (int i = 0; world->gravity[c] != 0 && i < p->count; i++)
+            sum -= p->mass[i] * world->gravity[c] * p->x[c][i];
+    return sum;
+}
+
+/* Spring at the current step: it is kept for the middle of the step to come. */
+static double spring_energy(const struct world *world, const struct contact_list *list, int k, const struct geometry *g)
+{
+    const struct particles *p = &world->particles;
+    int i = list->i[k], j = list->j[k];
+    bool pair = list == &world->pairs;
+    double v[3] = {0}, w[3] = {0}, vt[3], sum = 0;
+    for (int c = 0; c < p->dimension; c++)
+        v[c] = p->v[c][i] - (pair ? p->v[c][j] : 0);
+    for (int c = 0; c < p->n_rotations; c++)
+        w[c] = p->radius[i] * p->omega[c][i] + (pair ? p->radius[j] * p->omega[c][j] : 0);
+    const double *n = g->n;
+    if (p->dimension == 2) {
+        vt[0] = v[1] * n[0] - v[0] * n[1] - w[0];
+    } else {
+        double u = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
+        vt[0] = v[0] + (n[1] * w[2] - n[2] * w[1]) - u * n[0];
+        vt[1] = v[1] + (n[2] * w[0] - n[0] * w[2]) - u * n[1];
+        vt[2] = v[2] + (n[0] * w[1] - n[1] * w[0]) - u * n[2];
+    }
+    for (int c = 0; c < list->n_springs; c++) {
+        double xi = list->spring[c][k] - 0.5 * world->dt * vt[c];
+        sum += xi * xi;
+    }
+    return 0.5 * world->law.kt * sum;
+}
+
+static void add_elastic(const struct world *world, const struct contact_list *list, struct elastic_energy *sum)
+{
+    for (int k = 0; k < list->count; k++) {
+        struct geometry g = geometry_of(world, list, k);
+        if (!(g.overlap > 0))
+            continue;
+        double f = list->hysteretic ? hysteretic_force(&world->law, g.overlap, list->history[k])
+                                    : world->law.k1 * g.overlap;
+        sum->normal_j += f * f / (2 * world->law.k2);
+        if (list->n_springs)
+            sum->tangential_j += spring_energy(world, list, k, &g);
+    }
+}
+
+struct elastic_energy measure_elastic_energy(const struct world *world)
+{
+    struct elastic_energy sum = {0, 0};
+    add_elastic(world, &world->pairs, &sum);
+    add_elastic(world, &world->wall_contacts, &sum);
+    return sum;
+}
+
+void measure_wall_stiffness(const struct world *world, double *stiffness_n_per_m, double *damping_kg_per_s)
+{
+    const struct contact_list *list = &world->wall_contacts;
+    for (int w = 0; w < world->n_walls; w++)
+        stiffness_n_per_m[w] = damping_kg_per_s[w] = 0;
+    for (int k = 0; k < list->count; k++) {
+        const struct wall *wall = &world->walls[list->j[k]];
+        double distance = wall->inward * (world->particles.x[wall->axis][list->i[k]] - wall->x);
+        if (world->particles.radius[list->i[k]] > distance) {
+            stiffness_n_per_m[list->j[k]] += world->law.k2;
+            damping_kg_per_s[list->j[k]] += world->law.gamma_n;
+        }
+    }
+}
+
+/* Contact stress, fabric, overlaps and the state of friction, over one list. */
+static void add_contacts(const struct world *world, const struct contact_list *list, struct measurement *m, int *sliding)
+{
+    const struct particles *p = &world->particles;
+    const int dim = p->dimension;
+    const bool pair = list == &world->pairs;
+    for (int k = 0; k < list->count; k++) {
+        struct geometry g = geometry_of(world, list, k);
+        if (!(g.overlap > 0))
+            continue;
+        double smaller_radius = pair ? fmin(p->radius[list->i[k]], p->radius[list->j[k]]) : p->radius[list->i[k]];
+        m->max_overlap_ratio = fmax(m->max_overlap_ratio, g.overlap / smaller_radius);
+        *sliding += list->n_springs ? list->sliding[k] : 0;
+        m->n_contacts += pair;
+        m->n_wall_contacts += !pair;
+        for (int a = 0; a < dim; a++)
+            for (int b = 0; b < dim; b++) {
+                m->stress_contact_pa[a * dim + b] += list->force[a][k] * g.n[b] * g.distance;
+                m->fabric[a * dim + b] += pair ? g.n[a] * g.n[b] : 0;
+            }
+    }
+}
+
+static double solid_volume(const struct particles *p)
+{
+    const double pi = 3.14159265358979323846;
+    double sum = 0;
+    for (int i = 0; i < p->count; i++) {
+        double a = p->radius[i];
+        sum += p->dimension == 2 ? pi * a * a : 4.0 / 3.0 * pi * a * a * a;
+    }
+    return sum;
+}
+
+static void measure_box(const struct world *world, struct measurement *m)
+{
+    const int dim = world->particles.dimension;
+    double volume = 1;
+    for (int c = 0; c < dim; c++) {
+        double start = world->stage_position_m[2 * c + 1] - world->stage_position_m[2 * c];
+        m->box_length_m[c] = world_box_length_m(world, c);
+        m->strain[c] = world->stage >= 0 ? 1 - m->box_length_m[c] / start : 0;
+        volume *= m->box_length_m[c];
+    }
+    for (int c = 0; c < dim; c++) {
+        double area = volume / m->box_length_m[c];
+        m->stress_wall_pa[c] = 0.5 * (world->walls[2 * c].force + world->walls[2 * c + 1].force) / area;
+    }
+    for (int k = 0; k < dim * dim; k++)
+        m->stress_contact_pa[k] /= volume;
+    m->solid_fraction = solid_volume(&world->particles) / volume;
+}
+
+/* Inertial number of the fastest strain rate: |rate| 2 <a> sqrt(rho/p), p the mean wall stress. */
+static double inertial_number(const struct world *world, const struct measurement *m)
+{
+    const int dim = world->particles.dimension;
+    double rate = 0, pressure = 0, radius = 0;
+    for (int c = 0; c < dim; c++) {
+        rate = fmax(rate, fabs(world->walls[2 * c + 1].v - world->walls[2 * c].v) / m->box_length_m[c]);
+        pressure += m->stress_wall_pa[c] / dim;
+    }
+    for (int i = 0; i < world->particles.count; i++)
+        radius += world->particles.radius[i] / world->particles.count;
+    return pressure > 0 ? rate * 2 * radius * sqrt(world->scene->sample.density_kg_per_m3 / pressure) : 0;
+}
+
+/* Contacts of each particle that is not a rattler; the others are taken out until nothing changes. A particle needs
+ * dimension contacts to be held with friction, one more without. */
+static enum status measure_coordination(const struct world *world, struct measurement *m)
+{
+    const int count = world->particles.count;
+    const int needed = world->particles.dimension + (world->particles.n_rotations ? 0 : 1);
+    int n = measure_contacts(world, NULL), held = count, links = 0, removed = 1;
+    struct contact_measurement *contacts = malloc((size_t)(n + 1) * sizeof *contacts);
+    int *degree = calloc((size_t)count, sizeof *degree);
+    bool *out = calloc((size_t)count, sizeof *out);
+    if (!contacts || !degree || !out) {
+        free(contacts);
+        free(degree);
+        free(out);
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    }
+    measure_contacts(world, contacts);
+    while (removed) {
+        memset(degree, 0, (size_t)count * sizeof *degree);
+        links = removed = 0;
+        for (int k = 0; k < n; k++) {
+            int i = contacts[k].i, j = contacts[k].j;
+            if (out[i] || (j >= 0 && out[j]))
+                continue;
+            degree[i]++;
+            links++;
+            if (j >= 0) {
+                degree[j]++;
+                links++;
+            }
+        }
+        for (int i = 0; i < count; i++)
+            if (!out[i] && degree[i] < needed) {
+                out[i] = true;
+                removed++;
+                held--;
+            }
+    }
+    m->coordination = (2.0 * m->n_contacts + m->n_wall_contacts) / count;
+    m->coordination_no_rattlers = held ? (double)links / held : 0;
+    m->rattler_fraction = (double)(count - held) / count;
+    free(contacts);
+    free(degree);
+    free(out);
+    return STATUS_OK;
+}
+
+static void measure_energies(const struct world *world, struct measurement *m)
+{
+    const struct ledger *ledger = &world->ledger;
+    struct elastic_energy elastic = measure_elastic_energy(world);
+    m->kinetic_j = measure_kinetic_energy_j(world);
+    m->elastic_normal_j = elastic.normal_j;
+    m->elastic_tangential_j = elastic.tangential_j;
+    m->work_gravity_j = ledger->potential_start - measure_potential_energy_j(world);
+    double stored = m->kinetic_j - ledger->kinetic_start + elastic.normal_j + elastic.tangential_j - ledger->elastic_start;
+    double lost = ledger->contacts.hysteresis + ledger->contacts.viscous_normal + ledger->contacts.viscous_tangential +
+                  ledger->contacts.friction + ledger->background;
+    m->residual_j = ledger->work_walls + m->work_gravity_j - stored - lost;
+}
+
+enum status measure(const struct world *world, struct measurement *m)
+{
+    int sliding = 0;
+    memset(m, 0, sizeof *m);
+    add_contacts(world, &world->pairs, m, &sliding);
+    for (int k = 0; m->n_contacts && k < 9; k++)
+        m->fabric[k] /= m->n_contacts;
+    add_contacts(world, &world->wall_contacts, m, &sliding);
+    int total = m->n_contacts + m->n_wall_contacts;
+    m->sliding_fraction = total ? (double)sliding / total : 0;
+    measure_box(world, m);
+    m->inertial_number = inertial_number(world, m);
+    measure_energies(world, m);
+    if (!isfinite(m->kinetic_j) || !isfinite(m->elastic_normal_j) || !isfinite(m->residual_j))
+        return status_fail(STATUS_UNSTABLE, "step %lld (t = %g s): the energy is not finite; a smaller dt_s would help",
+                           (long long)world->step, world->time_s);
+    return measure_coordination(world, m);
+}
+
+static void fill_contact(const struct world *world, const struct contact_list *list, int k, const struct geometry *g,
+                         struct contact_measurement *out)
+{
+    const int dim = world->particles.dimension;
+    double normal_force = 0;
+    memset(out, 0, sizeof *out);
+    out->i = list->i[k];
+    out->j = list == &world->pairs ? list->j[k] : -1 - list->j[k];
+    out->overlap_m = g->overlap;
+    for (int c = 0; c < dim; c++)
+        normal_force += list->force[c][k] * g->n[c];
+    out->normal_force_n = normal_force;
+    for (int c = 0; c < dim; c++) {
+        out->normal[c] = g->n[c];
+        out->tangential_force_n[c] = list->force[c][k] - normal_force * g->n[c];
+    }
+    out->sliding = list->n_springs && list->sliding[k];
+}
+
+int measure_contacts(const struct world *world, struct contact_measurement *out)
+{
+    const struct contact_list *const lists[] = {&world->pairs, &world->wall_contacts};
+    int n = 0;
+    for (int l = 0; l < 2; l++)
+        for (int k = 0; k < lists[l]->count; k++) {
+            struct geometry g = geometry_of(world, lists[l], k);
+            if (!(g.overlap > 0))
+                continue;
+            if (out)
+                fill_contact(world, lists[l], k, &g, &out[n]);
+            n++;
+        }
+    return n;
+}

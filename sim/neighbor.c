@@ -1,0 +1,320 @@
+#include "sim/neighbor.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/memory.h"
+
+/* Grid over the bounding box of the particles. */
+struct cells {
+    int n[3];
+    double lo[3], inverse_size[3];
+    int total;
+};
+
+static void list_model(struct contact_list *list, const struct particles *p, bool hysteretic)
+{
+    list->hysteretic = hysteretic;
+    list->n_springs = p->n_rotations;
+}
+
+enum status neighbor_init(struct neighbor *nb, const struct particles *p, double skin_m, bool hysteretic)
+{
+    memset(nb, 0, sizeof *nb);
+    nb->skin = skin_m;
+    list_model(&nb->spare_pairs, p, hysteretic);
+    list_model(&nb->spare_walls, p, hysteretic);
+    size_t count = (size_t)p->count;
+    TRY(array_resize(&nb->first_of_i, sizeof(int32_t), count + 1, 0));
+    TRY(array_resize(&nb->first_of_j, sizeof(int32_t), count + 2, 0));
+    TRY(array_resize(&nb->cell_of, sizeof(int32_t), count, 0));
+    return array_resize(&nb->by_cell, sizeof(int32_t), count, 0);
+}
+
+void neighbor_free(struct neighbor *nb)
+{
+    free(nb->first_of_i);
+    free(nb->first_of_j);
+    free(nb->pairs_of_j);
+    free(nb->cell_of);
+    free(nb->cell_first);
+    free(nb->by_cell);
+    contact_list_free(&nb->spare_pairs);
+    contact_list_free(&nb->spare_walls);
+    memset(nb, 0, sizeof *nb);
+}
+
+bool neighbor_is_stale(const struct neighbor *nb, const struct particles *p, const struct wall *walls, int n_walls)
+{
+    const double half = 0.5 * nb->skin, limit = half * half;
+    int near = 0;
+    for (int w = 0; w < n_walls; w++)
+        if (!(fabs(walls[w].x - walls[w].x_list) <= half))
+            return true;
+    if (p->dimension == 2) {
+        const double *x0 = p->x[0], *x1 = p->x[1], *r0 = p->x_list[0], *r1 = p->x_list[1];
+        for (int i = 0; i < p->count; i++)
+            near += (x0[i] - r0[i]) * (x0[i] - r0[i]) + (x1[i] - r1[i]) * (x1[i] - r1[i]) <= limit;
+    } else {
+        const double *x0 = p->x[0], *x1 = p->x[1], *x2 = p->x[2];
+        const double *r0 = p->x_list[0], *r1 = p->x_list[1], *r2 = p->x_list[2];
+        for (int i = 0; i < p->count; i++)
+            near += (x0[i] - r0[i]) * (x0[i] - r0[i]) + (x1[i] - r1[i]) * (x1[i] - r1[i]) +
+                        (x2[i] - r2[i]) * (x2[i] - r2[i]) <=
+                    limit;
+    }
+    return near != p->count;
+}
+
+static double largest_radius(const struct particles *p)
+{
+    double largest = 0;
+    for (int i = 0; i < p->count; i++)
+        largest = fmax(largest, p->radius[i]);
+    return largest;
+}
+
+static void cells_of(struct cells *cells, const struct particles *p, double reach)
+{
+    cells->total = 1;
+    for (int c = 0; c < 3; c++) {
+        cells->n[c] = 1;
+        cells->lo[c] = 0;
+        cells->inverse_size[c] = 0;
+        if (c >= p->dimension)
+            continue;
+        double lo = p->x[c][0], hi = lo;
+        for (int i = 1; i < p->count; i++) {
+            lo = fmin(lo, p->x[c][i]);
+            hi = fmax(hi, p->x[c][i]);
+        }
+        /* never more cells along one axis than particles: a few far apart must not ask for a huge grid */
+        double n = fmin(floor((hi - lo) / reach), p->count);
+        double limit = floor(4.0 * p->count / cells->total + 1);
+        cells->n[c] = (int)fmax(1, fmin(n, limit));
+        cells->lo[c] = lo;
+        cells->inverse_size[c] = hi > lo ? cells->n[c] / (hi - lo) : 0;
+        cells->total *= cells->n[c];
+    }
+}
+
+static int cell_coordinate(const struct cells *cells, int c, double x)
+{
+    int k = (int)((x - cells->lo[c]) * cells->inverse_size[c]);
+    return k < 0 ? 0 : k >= cells->n[c] ? cells->n[c] - 1 : k;
+}
+
+/* Counting sort of the particles by cell, rising within each. */
+static enum status sort_by_cell(struct neighbor *nb, const struct particles *p, const struct cells *cells)
+{
+    if (cells->total > nb->cell_capacity) {
+        TRY(array_resize(&nb->cell_first, sizeof(int32_t), (size_t)cells->total + 2, 0));
+        nb->cell_capacity = cells->total;
+    }
+    memset(nb->cell_first, 0, ((size_t)cells->total + 2) * sizeof *nb->cell_first);
+    for (int i = 0; i < p->count; i++) {
+        int at[3] = {0, 0, 0};
+        for (int c = 0; c < p->dimension; c++)
+            at[c] = cell_coordinate(cells, c, p->x[c][i]);
+        nb->cell_of[i] = (at[2] * cells->n[1] + at[1]) * cells->n[0] + at[0];
+        nb->cell_first[nb->cell_of[i] + 2]++;
+    }
+    for (int k = 0; k < cells->total; k++)
+        nb->cell_first[k + 2] += nb->cell_first[k + 1];
+    for (int i = 0; i < p->count; i++)
+        nb->by_cell[nb->cell_first[nb->cell_of[i] + 1]++] = i;
+    return STATUS_OK;
+}
+
+static void carry_history(struct contact_list *to, int t, const struct contact_list *from, int f)
+{
+    if (to->hysteretic)
+        to->history[t] = from->history[f];
+    if (to->n_springs)
+        to->sliding[t] = from->sliding[f];
+    for (int c = 0; c < to->n_springs; c++)
+        to->spring[c][t] = from->spring[c][f];
+}
+
+static void clear_history(struct contact_list *to, int t)
+{
+    if (to->hysteretic)
+        to->history[t] = 0;
+    if (to->n_springs)
+        to->sliding[t] = 0;
+    for (int c = 0; c < to->n_springs; c++)
+        to->spring[c][t] = 0;
+}
+
+static bool within_reach(const struct particles *p, int i, int j, double skin)
+{
+    double d2 = 0, reach = p->radius[i] + p->radius[j] + skin;
+    for (int c = 0; c < p->dimension; c++) {
+        double d = p->x[c][i] - p->x[c][j];
+        d2 += d * d;
+    }
+    return d2 < reach * reach;
+}
+
+/* Appends the neighbours j > i in reach to `list`, unsorted. */
+static enum status collect(struct neighbor *nb, const struct particles *p, const struct cells *cells, int i,
+                           struct contact_list *list)
+{
+    int from[3], to[3], rest = nb->cell_of[i];
+    for (int c = 0; c < 3; c++) {
+        int at = rest % cells->n[c];
+        rest /= cells->n[c];
+        from[c] = at > 0 ? at - 1 : 0;
+        to[c] = at + 1 < cells->n[c] ? at + 1 : at;
+    }
+    for (int k2 = from[2]; k2 <= to[2]; k2++)
+        for (int k1 = from[1]; k1 <= to[1]; k1++) {
+            int row = (k2 * cells->n[1] + k1) * cells->n[0];
+            int last = nb->cell_first[row + to[0] + 1];
+            for (int m = nb->cell_first[row + from[0]]; m < last; m++) {
+                int j = nb->by_cell[m];
+                if (j <= i || !within_reach(p, i, j, nb->skin))
+                    continue;
+                if (list->count == list->capacity)
+                    TRY(contact_list_reserve(list, 2 * list->capacity + 64, p->dimension));
+                list->i[list->count] = i;
+                list->j[list->count++] = j;
+            }
+        }
+    return STATUS_OK;
+}
+
+static void sort_rising(int32_t *values, int count)
+{
+    for (int k = 1; k < count; k++) {
+        int32_t value = values[k];
+        int m = k;
+        for (; m > 0 && values[m - 1] > value; m--)
+            values[m] = values[m - 1];
+        values[m] = value;
+    }
+}
+
+static enum status build_pairs(struct neighbor *nb, const struct particles *p, struct contact_list *pairs)
+{
+    struct cells cells;
+    struct contact_list *fresh = &nb->spare_pairs;
+    fresh->count = 0;
+    cells_of(&cells, p, 2 * largest_radius(p) + nb->skin);
+    TRY(sort_by_cell(nb, p, &cells));
+    int old = 0;
+    for (int i = 0; i < p->count; i++) {
+        int first = fresh->count;
+        TRY(collect(nb, p, &cells, i, fresh));
+        sort_rising(fresh->j + first, fresh->count - first);
+        for (int k = first; k < fresh->count; k++) {
+            while (old < pairs->count && (pairs->i[old] < i || (pairs->i[old] == i && pairs->j[old] < fresh->j[k])))
+                old++;
+            bool known = old < pairs->count && pairs->i[old] == i && pairs->j[old] == fresh->j[k];
+            if (known)
+                carry_history(fresh, k, pairs, old);
+            else
+                clear_history(fresh, k);
+        }
+        nb->first_of_i[i] = first;
+    }
+    nb->first_of_i[p->count] = fresh->count;
+    struct contact_list swap = *pairs;
+    *pairs = *fresh;
+    *fresh = swap;
+    return STATUS_OK;
+}
+
+static enum status build_walls(struct neighbor *nb, const struct particles *p, struct contact_list *contacts,
+                               struct wall *walls, int n_walls)
+{
+    struct contact_list *fresh = &nb->spare_walls;
+    fresh->count = 0;
+    int old = 0;
+    for (int w = 0; w < n_walls; w++) {
+        walls[w].x_list = walls[w].x;
+        for (int i = 0; i < p->count; i++) {
+            double gap = walls[w].inward * (p->x[walls[w].axis][i] - walls[w].x) - p->radius[i];
+            if (!(gap < nb->skin))
+                continue;
+            if (fresh->count == fresh->capacity)
+                TRY(contact_list_reserve(fresh, 2 * fresh->capacity + 64, p->dimension));
+            int k = fresh->count++;
+            fresh->i[k] = i;
+            fresh->j[k] = w;
+            while (old < contacts->count && (contacts->j[old] < w || (contacts->j[old] == w && contacts->i[old] < i)))
+                old++;
+            bool known = old < contacts->count && contacts->j[old] == w && contacts->i[old] == i;
+            if (known)
+                carry_history(fresh, k, contacts, old);
+            else
+                clear_history(fresh, k);
+        }
+    }
+    struct contact_list swap = *contacts;
+    *contacts = *fresh;
+    *fresh = swap;
+    return STATUS_OK;
+}
+
+/* For each particle the pairs in which it is j, by counting. */
+static enum status index_by_j(struct neighbor *nb, const struct particles *p, const struct contact_list *pairs)
+{
+    if (pairs->count > nb->pair_capacity) {
+        TRY(array_resize(&nb->pairs_of_j, sizeof(int32_t), (size_t)pairs->capacity, 0));
+        nb->pair_capacity = pairs->capacity;
+    }
+    int32_t *first = nb->first_of_j;
+    memset(first, 0, ((size_t)p->count + 2) * sizeof *first);
+    for (int k = 0; k < pairs->count; k++)
+        first[pairs->j[k] + 2]++;
+    for (int i = 0; i < p->count; i++)
+        first[i + 2] += first[i + 1];
+    for (int k = 0; k < pairs->count; k++)
+        nb->pairs_of_j[first[pairs->j[k] + 1]++] = k;
+    return STATUS_OK;
+}
+
+enum status neighbor_build(struct neighbor *nb, struct particles *p, struct contact_list *pairs,
+                           struct contact_list *wall_contacts, struct wall *walls, int n_walls)
+{
+    TRY(build_pairs(nb, p, pairs));
+    TRY(build_walls(nb, p, wall_contacts, walls, n_walls));
+    TRY(index_by_j(nb, p, pairs));
+    for (int c = 0; c < p->dimension; c++)
+        memcpy(p->x_list[c], p->x[c], (size_t)p->count * sizeof(double));
+    nb->rebuilds++;
+    return STATUS_OK;
+}
+
+/* into[i] = sign-weighted sum of `value` over the pairs of i: + as i, `as_j` as j. */
+static void sum_pairs(const struct neighbor *nb, int count, const double *restrict value, double as_j,
+                      double *restrict into)
+{
+    for (int i = 0; i < count; i++) {
+        double sum = 0, other = 0;
+        for (int k = nb->first_of_i[i]; k < nb->first_of_i[i + 1]; k++)
+            sum += value[k];
+        for (int m = nb->first_of_j[i]; m < nb->first_of_j[i + 1]; m++)
+            other += value[nb->pairs_of_j[m]];
+        into[i] = sum + as_j * other;
+    }
+}
+
+void neighbor_sum_forces(const struct neighbor *nb, struct particles *p, const struct contact_list *pairs,
+                         const struct contact_list *wall_contacts)
+{
+    for (int c = 0; c < p->dimension; c++) {
+        sum_pairs(nb, p->count, pairs->force[c], -1.0, p->force[c]);
+        for (int k = 0; k < wall_contacts->count; k++)
+            p->force[c][wall_contacts->i[k]] += wall_contacts->force[c][k];
+    }
+    for (int c = 0; c < p->n_rotations; c++) {
+        sum_pairs(nb, p->count, pairs->moment[c], 1.0, p->torque[c]);
+        for (int k = 0; k < wall_contacts->count; k++)
+            p->torque[c][wall_contacts->i[k]] += wall_contacts->moment[c][k];
+        for (int i = 0; i < p->count; i++)
+            p->torque[c][i] *= -p->radius[i];
+    }
+}

@@ -1,0 +1,43 @@
+/* Verlet lists from a grid of cells: candidates within a skin, rebuilt when something has moved half the skin. The
+ * history of contacts is carried over. */
+#ifndef SHAKEDOWN_SIM_NEIGHBOR_H
+#define SHAKEDOWN_SIM_NEIGHBOR_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "sim/contacts.h"
+#include "sim/particles.h"
+
+struct neighbor {
+    double skin; /* m */
+    int64_t rebuilds;
+    int32_t *first_of_i; /* [count + 1] pairs with this particle as i: first_of_i[i] ... first_of_i[i + 1] - 1 */
+    int32_t *first_of_j; /* [count + 1] range in pairs_of_j */
+    int32_t *pairs_of_j; /* [pairs] indices of the pairs with this particle as j, rising */
+    int32_t *cell_of;    /* [count] */
+    int32_t *cell_first; /* [cells + 1] range in by_cell */
+    int32_t *by_cell;    /* [count] particles sorted by cell */
+    int cell_capacity, pair_capacity;
+    struct contact_list spare_pairs, spare_walls; /* the lists under construction */
+};
+
+/* Prepares lists for the model of `particles`; skin in m. Errors: STATUS_NO_MEMORY. */
+enum status neighbor_init(struct neighbor *neighbor, const struct particles *particles, double skin_m,
+                          bool hysteretic) MUST_USE;
+void neighbor_free(struct neighbor *neighbor);
+
+/* True when a particle or a wall has moved more than half the skin since the last build (or is not finite). */
+bool neighbor_is_stale(const struct neighbor *neighbor, const struct particles *particles, const struct wall *walls,
+                       int n_walls);
+
+/* Builds `pairs` and `wall_contacts` anew for the current positions. Errors: STATUS_NO_MEMORY. */
+enum status neighbor_build(struct neighbor *neighbor, struct particles *particles, struct contact_list *pairs,
+                           struct contact_list *wall_contacts, struct wall *walls, int n_walls) MUST_USE;
+
+/* Sums the forces and moments of pairs, then of walls, into particles->force and torque, in an order that depends on
+ * the lists alone. */
+void neighbor_sum_forces(const struct neighbor *neighbor, struct particles *particles, const struct contact_list *pairs,
+                         const struct contact_list *wall_contacts);
+
+#endif

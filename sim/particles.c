@@ -1,0 +1,67 @@
+#include "sim/particles.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/memory.h"
+
+static enum status components_resize(double **component, int n, int count)
+{
+    for (int c = 0; c < n; c++)
+        TRY(array_resize(&component[c], sizeof(double), (size_t)count, 0));
+    return STATUS_OK;
+}
+
+enum status particles_init(struct particles *p, int count, int dimension, bool rotations)
+{
+    memset(p, 0, sizeof *p);
+    p->count = count;
+    p->dimension = dimension;
+    p->n_rotations = !rotations ? 0 : dimension == 2 ? 1 : 3;
+    TRY(components_resize(p->x, dimension, count));
+    TRY(components_resize(p->v, dimension, count));
+    TRY(components_resize(p->a, dimension, count));
+    TRY(components_resize(p->force, dimension, count));
+    TRY(components_resize(p->x_list, dimension, count));
+    TRY(components_resize(p->omega, p->n_rotations, count));
+    TRY(components_resize(p->alpha, p->n_rotations, count));
+    TRY(components_resize(p->torque, p->n_rotations, count));
+    TRY(components_resize(&p->radius, 1, count));
+    TRY(components_resize(&p->mass, 1, count));
+    TRY(components_resize(&p->inv_mass, 1, count));
+    if (rotations)
+        TRY(components_resize(&p->inv_inertia, 1, count));
+    return STATUS_OK;
+}
+
+void particles_free(struct particles *p)
+{
+    for (int c = 0; c < 3; c++) {
+        free(p->x[c]);
+        free(p->v[c]);
+        free(p->a[c]);
+        free(p->force[c]);
+        free(p->omega[c]);
+        free(p->alpha[c]);
+        free(p->torque[c]);
+        free(p->x_list[c]);
+    }
+    free(p->radius);
+    free(p->mass);
+    free(p->inv_mass);
+    free(p->inv_inertia);
+    memset(p, 0, sizeof *p);
+}
+
+void particles_set_mass(struct particles *p, double density_kg_per_m3)
+{
+    const double pi = 3.14159265358979323846;
+    for (int i = 0; i < p->count; i++) {
+        double a = p->radius[i];
+        p->mass[i] = 4.0 / 3.0 * pi * density_kg_per_m3 * a * a * a;
+        p->inv_mass[i] = 1 / p->mass[i];
+        if (p->n_rotations)
+            p->inv_inertia[i] = 1 / (0.4 * p->mass[i] * a * a);
+    }
+}

@@ -1,0 +1,41 @@
+/* The particles as a structure of arrays. Components in the order of the scene's axes: 2D x, z; 3D x, y, z. */
+#ifndef SHAKEDOWN_SIM_PARTICLES_H
+#define SHAKEDOWN_SIM_PARTICLES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "common/scene.h"
+#include "common/status.h"
+
+struct particles {
+    int count;
+    int dimension;   /* components of x, v, a, force */
+    int n_rotations; /* components of omega: 0 without friction, 1 in 2D (about x cross z), 3 in 3D */
+    double *x[3];    /* [count] m */
+    double *v[3];    /* m/s; between drift and kick the predicted velocity */
+    double *a[3];    /* m/s^2, of the last complete step */
+    double *force[3];  /* N */
+    double *omega[3];  /* rad/s; predicted like v */
+    double *alpha[3];  /* rad/s^2 */
+    double *torque[3]; /* N m */
+    double *radius;    /* m */
+    double *mass;      /* kg */
+    double *inv_mass;
+    double *inv_inertia; /* 1/(2/5 m a^2); only with rotations */
+    double *x_list[3];   /* positions at the last rebuild of the lists */
+};
+
+/* Allocates `count` zeroed particles. Errors: STATUS_NO_MEMORY. */
+enum status particles_init(struct particles *particles, int count, int dimension, bool rotations) MUST_USE;
+void particles_free(struct particles *particles);
+
+/* Mass of a sphere [LH, D], also in 2D, and the moment of inertia (2/5) m a^2, from radius and density. */
+void particles_set_mass(struct particles *particles, double density_kg_per_m3);
+
+/* Radii, positions without overlap and starting velocities as the scene says; box_lo/box_hi [dimension] become the
+ * starting box. Errors: STATUS_LIMIT when a random start finds no room. */
+enum status particles_place(struct particles *particles, const struct scene *scene, double *box_lo_m,
+                            double *box_hi_m) MUST_USE;
+
+#endif

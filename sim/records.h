@@ -1,0 +1,39 @@
+/* Turns the state of the sample into records: run info, particles, samples, frames, end. */
+#ifndef SHAKEDOWN_SIM_RECORDS_H
+#define SHAKEDOWN_SIM_RECORDS_H
+
+#include "common/record_stream.h"
+#include "sim/world.h"
+
+struct records {
+    struct record_stream *stream;
+    int64_t run_id;
+    int32_t n_frames;       /* frames sent so far */
+    int64_t last_sample_step, last_frame_step; /* -1: none */
+};
+
+void records_init(struct records *records, struct record_stream *stream, int64_t run_id);
+
+/* The scene with its effective configuration, then what does not change about the particles. */
+enum status records_send_start(struct records *records, const struct world *world) MUST_USE;
+
+/* The state of the sample now; nothing if it was sent for this step and stage already. interface_residual_j: energy
+ * mismatch at the walls accumulated by the coupling. */
+enum status records_send_sample(struct records *records, const struct world *world, double interface_residual_j) MUST_USE;
+
+/* Particles and contacts now, in chunks. */
+enum status records_send_frame(struct records *records, const struct world *world) MUST_USE;
+
+struct run_totals {
+    int64_t wall_states, wall_commands, commands_repeated;
+    double elapsed_s;
+};
+
+/* The last record: why the run ended, and the totals of all channels. */
+enum status records_send_end(struct records *records, const struct world *world, enum status why,
+                             const struct run_totals *totals) MUST_USE;
+
+/* "reference 2d hysteretic frictionless": what is computed and how. */
+void records_kernel_set(const struct world *world, char *text, size_t size);
+
+#endif

@@ -1,0 +1,293 @@
+#include "sim/run.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "common/record_stream.h"
+#include "common/signals.h"
+#include "common/watch/progress.h"
+#include "shakedown_status_t.h"
+#include "sim/exchange.h"
+#include "sim/measure.h"
+#include "sim/records.h"
+#include "sim/world.h"
+
+static const double STATUS_INTERVAL_S = 0.1;
+enum { STEPS_PER_LOOK = 16 }; /* steps between looks at the clock and the bus */
+
+struct run {
+    const struct scene *scene;
+    const struct run_options *options;
+    struct world *world;
+    struct bus bus;
+    struct record_stream *stream;
+    struct records records;
+    struct exchange exchange;
+    double fraction_done;
+    double kinetic_j, elastic_j; /* at energy_step, for the controller's conditions */
+    int64_t energy_step;
+    int frame_strain_next; /* index in frame_strains */
+    double start_s, status_s;
+    int64_t status_step, status_seq;
+    double steps_per_second;
+};
+
+static const struct scene_stage *stage_of(const struct run *run)
+{
+    return &run->scene->stage[run->world->stage];
+}
+
+/* `every_s` in steps of the stage, at least one; 0 s: never. */
+static int64_t steps_in(const struct run *run, double every_s)
+{
+    if (!(every_s > 0))
+        return INT64_MAX;
+    double steps = round(every_s / run->world->dt);
+    return steps < 1 ? 1 : (int64_t)steps;
+}
+
+static enum status take_sample(struct run *run)
+{
+    struct elastic_energy elastic = measure_elastic_energy(run->world);
+    run->kinetic_j = measure_kinetic_energy_j(run->world);
+    run->elastic_j = elastic.normal_j + elastic.tangential_j;
+    run->energy_step = run->world->step;
+    return run->stream ? records_send_sample(&run->records, run->world, 0) : STATUS_OK;
+}
+
+static enum status take_frame(struct run *run)
+{
+    return run->stream ? records_send_frame(&run->records, run->world) : STATUS_OK;
+}
+
+/* Component whose upper wall is under strain control in this stage; -1: none. */
+static int strained_component(const struct run *run)
+{
+    for (int c = 0; c < run->world->particles.dimension; c++)
+        if (stage_of(run)->axis[world_axis(run->world, c)].mode == WALL_STRAIN)
+            return c;
+    return -1;
+}
+
+/* Whether the next of frame_strains has been passed; in the direction of the final strain. */
+static bool frame_strain_passed(struct run *run)
+{
+    const struct config_floats *list = &stage_of(run)->frame_strains;
+    if (run->frame_strain_next >= list->count)
+        return false;
+    int c = strained_component(run);
+    double length = run->world->stage_position_m[2 * c + 1] - run->world->stage_position_m[2 * c];
+    double strain = 1 - world_box_length_m(run->world, c) / length;
+    double next = list->value[run->frame_strain_next];
+    bool passed = stage_of(run)->axis[world_axis(run->world, c)].strain >= 0 ? strain >= next : strain <= next;
+    run->frame_strain_next += passed;
+    return passed;
+}
+
+/* Records what is due after a step. */
+static enum status record_step(struct run *run)
+{
+    const struct scene_stage *stage = stage_of(run);
+    int64_t step = run->world->stage_step;
+    if (step % steps_in(run, stage->sample_interval_s) == 0)
+        TRY(take_sample(run));
+    bool strain = frame_strain_passed(run);
+    bool interval = step > 0 && step % steps_in(run, stage->frame_interval_s) == 0;
+    return strain || interval ? take_frame(run) : STATUS_OK;
+}
+
+/* The end of a stage is always recorded. */
+static enum status record_stage_end(struct run *run)
+{
+    if (run->records.last_sample_step != run->world->step)
+        TRY(take_sample(run));
+    return run->records.last_frame_step != run->world->step ? take_frame(run) : STATUS_OK;
+}
+
+/* Steps of all stages, limits in full, from this stage on; what is left once the steps done here are taken off. */
+static double steps_left(const struct run *run)
+{
+    double steps = 0;
+    int first = run->world->stage < 0 ? 0 : run->world->stage;
+    for (int k = first; k < run->scene->n_stages; k++)
+        steps += run->scene->stage[k].duration_s / run->scene->stage[k].dt_s;
+    return steps - (double)run->world->stage_step;
+}
+
+static void fill_status(struct run *run, double now, shakedown_status_t *message, double *strain, double *stress)
+{
+    const struct world *world = run->world;
+    for (int c = 0; c < world->particles.dimension; c++) {
+        double length = world_box_length_m(world, c), area = 1;
+        double start = world->stage_position_m[2 * c + 1] - world->stage_position_m[2 * c];
+        for (int b = 0; b < world->particles.dimension; b++)
+            area *= b == c ? 1 : world_box_length_m(world, b);
+        strain[c] = 1 - length / start;
+        stress[c] = 0.5 * (world->walls[2 * c].force + world->walls[2 * c + 1].force) / area;
+    }
+    *message = (shakedown_status_t){
+        .run_id = run->options->run_id,
+        .seq = run->status_seq++,
+        .step = world->step,
+        .time_s = world->time_s,
+        .stage = world->stage,
+        .n_stages = (int32_t)run->scene->n_stages,
+        .stage_name = (char *)stage_of(run)->name,
+        .fraction_done = run->fraction_done,
+        .steps_per_second = run->steps_per_second,
+        .elapsed_s = now - run->start_s,
+        .time_left_s = run->steps_per_second > 0 ? steps_left(run) / run->steps_per_second : -1,
+        .dimension = world->particles.dimension,
+        .strain = strain,
+        .stress_wall_pa = stress,
+        .kinetic_energy_j = run->kinetic_j,
+        .elastic_energy_j = run->elastic_j,
+        .commands_repeated = run->exchange.repeated,
+    };
+    if (run->stream) {
+        message->records_repeated = record_stream_repeated(run->stream);
+        message->records_waiting = record_stream_waiting(run->stream);
+    }
+}
+
+static enum status publish_status(struct run *run, const shakedown_status_t *message)
+{
+    uint8_t buffer[1024];
+    if (!run->stream || run->bus.is_log)
+        return STATUS_OK;
+    int size = shakedown_status_t_encode(buffer, 0, sizeof buffer, message);
+    if (size < 0)
+        return status_fail(STATUS_LIMIT, "STATUS is larger than %zu bytes", sizeof buffer);
+    return bus_publish(&run->bus, CHANNEL_STATUS, buffer, (size_t)size);
+}
+
+static void print_progress(const shakedown_status_t *message)
+{
+    char text[PROGRESS_TEXT_MAX];
+    if (!isatty(STDERR_FILENO))
+        return;
+    progress_format(text, message, 100);
+    fprintf(stderr, "\r\033[K%s", text);
+}
+
+/* About ten times a second: speed, STATUS, and what came over the bus meanwhile. */
+static enum status look_around(struct run *run)
+{
+    double now = clock_now_s(), since = now - run->status_s, strain[3], stress[3];
+    if (run->stream)
+        TRY(record_stream_service(run->stream));
+    if (stop_requested())
+        return status_fail(STATUS_INTERRUPTED, "interrupted at step %" PRId64, run->world->step);
+    if (since < STATUS_INTERVAL_S)
+        return STATUS_OK;
+    double speed = (double)(run->world->step - run->status_step) / since;
+    run->steps_per_second = run->steps_per_second > 0 ? 0.9 * run->steps_per_second + 0.1 * speed : speed;
+    run->status_s = now;
+    run->status_step = run->world->step;
+    shakedown_status_t message;
+    fill_status(run, now, &message, strain, stress);
+    if (run->options->progress)
+        print_progress(&message);
+    return publish_status(run, &message);
+}
+
+static enum status exchange(struct run *run, struct wall_command *command)
+{
+    struct wall_state state;
+    world_wall_state(run->world, &state);
+    state.kinetic_energy_j = run->kinetic_j;
+    state.elastic_energy_j = run->elastic_j;
+    state.energy_step = run->energy_step;
+    return exchange_walls(&run->exchange, &state, command);
+}
+
+static enum status steps(struct run *run, int n)
+{
+    for (int k = 0; k < n; k++) {
+        TRY(world_step(run->world));
+        TRY(record_step(run));
+        if (run->world->step % STEPS_PER_LOOK == 0)
+            TRY(look_around(run));
+    }
+    return STATUS_OK;
+}
+
+/* From exchange to exchange until the controller says that the protocol is done. */
+static enum status loop(struct run *run)
+{
+    struct wall_command command;
+    for (;;) {
+        TRY(exchange(run, &command));
+        run->fraction_done = command.fraction_done;
+        bool changes = command.finished || command.stage != run->world->stage;
+        if (changes && run->world->stage >= 0)
+            TRY(record_stage_end(run));
+        if (command.finished)
+            return STATUS_OK;
+        TRY(world_command(run->world, &command));
+        if (changes) {
+            run->frame_strain_next = 0;
+            TRY(record_step(run));
+        }
+        TRY(steps(run, command.n_steps));
+    }
+}
+
+static enum status open_records(struct run *run)
+{
+    if (!run->options->url && run->options->in_process)
+        return STATUS_OK;
+    TRY(bus_open(&run->bus, run->options->url));
+    TRY(record_stream_create(&run->stream, &run->bus, run->options->run_id, run->scene->coupling.timeout_s));
+    records_init(&run->records, run->stream, run->options->run_id);
+    return STATUS_OK;
+}
+
+/* END with the totals, and the wait for its acknowledgement. The run's own failure comes before one of the records. */
+static enum status finish(struct run *run, enum status status)
+{
+    struct run_totals totals = {run->exchange.seq, run->exchange.seq, run->exchange.repeated,
+                                clock_now_s() - run->start_s};
+    if (run->options->progress && isatty(STDERR_FILENO))
+        fprintf(stderr, "\n");
+    if (!run->stream)
+        return status;
+    char message[512];
+    snprintf(message, sizeof message, "%s", status_message());
+    enum status sent = records_send_end(&run->records, run->world, status, &totals);
+    if (sent == STATUS_OK)
+        sent = record_stream_flush(run->stream);
+    return status != STATUS_OK ? status_fail(status, "%s", message) : sent;
+}
+
+static enum status start_and_loop(struct run *run)
+{
+    if (run->stream) {
+        TRY(records_send_start(&run->records, run->world));
+        TRY(record_stream_flush(run->stream)); /* the recorder is there before anything happens */
+    }
+    TRY(exchange_init(&run->exchange, run->scene, &run->bus, run->stream, run->options->run_id,
+                      run->options->in_process));
+    run->start_s = run->status_s = clock_now_s();
+    return loop(run);
+}
+
+enum status run_scene(const struct scene *scene, const struct run_options *options)
+{
+    struct run run = {.scene = scene, .options = options};
+    TRY(world_create(&run.world, scene));
+    enum status status = open_records(&run);
+    if (status == STATUS_OK)
+        status = finish(&run, start_and_loop(&run));
+    record_stream_free(run.stream);
+    if (run.bus.lcm)
+        bus_close(&run.bus);
+    if (options->progress)
+        fprintf(stderr, "sim: %" PRId64 " steps, %.3f s, %.2f us per step, hash %016" PRIx64 "\n", run.world->step,
+                clock_now_s() - run.start_s,
+                run.world->step ? 1e6 * (clock_now_s() - run.start_s) / (double)run.world->step : 0, world_hash(run.world));
+    world_free(run.world);
+    return status;
+}

@@ -1,0 +1,174 @@
+#include "sim/world.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/integrate.h"
+#include "sim/measure.h"
+
+double world_box_length_m(const struct world *world, int c)
+{
+    return world->walls[2 * c + 1].x - world->walls[2 * c].x;
+}
+
+enum axis world_axis(const struct world *world, int c)
+{
+    return scene_pair_axis(world->scene, c);
+}
+
+static double mean_radius(const struct particles *p)
+{
+    double sum = 0;
+    for (int i = 0; i < p->count; i++)
+        sum += p->radius[i];
+    return sum / p->count;
+}
+
+static void place_walls(struct world *world, const double *lo, const double *hi)
+{
+    for (int w = 0; w < world->n_walls; w++) {
+        bool upper = w % 2;
+        world->walls[w] = (struct wall){.axis = w / 2, .inward = upper ? -1 : 1, .x = upper ? hi[w / 2] : lo[w / 2]};
+        world->path.x0[w] = world->walls[w].x;
+    }
+}
+
+static enum status world_init(struct world *world, const struct scene *scene)
+{
+    bool frictional = scene_is_frictional(scene), hysteretic = scene_is_hysteretic(scene);
+    double lo[3], hi[3];
+    int dimension = (int)scene->dimension;
+    world->scene = scene;
+    world->stage = -1;
+    world->n_walls = scene_wall_count(scene);
+    for (int c = 0; c < dimension && scene->gravity_m_per_s2.count; c++)
+        world->gravity[c] = scene->gravity_m_per_s2.value[world_axis(world, c)];
+    TRY(contact_isa_select(&world->isa));
+    world->kernels = contact_kernels_select(world->isa, dimension, hysteretic, frictional);
+    TRY(particles_init(&world->particles, (int)scene->sample.count, dimension, frictional));
+    TRY(particles_place(&world->particles, scene, lo, hi));
+    place_walls(world, lo, hi);
+    world->pairs.hysteretic = world->wall_contacts.hysteretic = hysteretic;
+    world->pairs.n_springs = world->wall_contacts.n_springs = world->particles.n_rotations;
+    double skin = scene->neighbor.skin_ratio * mean_radius(&world->particles);
+    TRY(neighbor_init(&world->neighbor, &world->particles, skin, hysteretic));
+    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, &world->wall_contacts, world->walls,
+                          world->n_walls);
+}
+
+enum status world_create(struct world **world, const struct scene *scene)
+{
+    *world = calloc(1, sizeof **world);
+    if (!*world)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    enum status status = world_init(*world, scene);
+    if (status != STATUS_OK) {
+        world_free(*world);
+        *world = NULL;
+    }
+    return status;
+}
+
+void world_free(struct world *world)
+{
+    if (!world)
+        return;
+    particles_free(&world->particles);
+    contact_list_free(&world->pairs);
+    contact_list_free(&world->wall_contacts);
+    neighbor_free(&world->neighbor);
+    free(world);
+}
+
+static void ledger_start(struct world *world)
+{
+    memset(&world->ledger, 0, sizeof world->ledger);
+    world->ledger.kinetic_start = measure_kinetic_energy_j(world);
+    struct elastic_energy elastic = measure_elastic_energy(world);
+    world->ledger.elastic_start = elastic.normal_j + elastic.tangential_j;
+    world->ledger.potential_start = measure_potential_energy_j(world);
+}
+
+static void stage_start(struct world *world, int stage)
+{
+    const struct scene_stage *next = &world->scene->stage[stage];
+    world->stage = stage;
+    world->stage_step = 0;
+    world->stage_time_start_s = world->time_s;
+    world->dt = next->dt_s;
+    world->material = &next->material;
+    world->law = contact_law_constants_of(&next->material);
+    for (int w = 0; w < world->n_walls; w++)
+        world->stage_position_m[w] = world->walls[w].x;
+    integrate_forces_anew(world);
+    ledger_start(world);
+}
+
+enum status world_command(struct world *world, const struct wall_command *command)
+{
+    if (command->step != world->step || command->n_walls != world->n_walls || command->n_steps < 1)
+        return status_fail(STATUS_FORMAT, "step %lld: a command for step %lld, %d walls, %d steps does not fit",
+                           (long long)world->step, (long long)command->step, command->n_walls, command->n_steps);
+    if (command->stage < 0 || command->stage >= world->scene->n_stages || command->stage < world->stage)
+        return status_fail(STATUS_FORMAT, "step %lld: a command for stage %d does not fit stage %d",
+                           (long long)world->step, command->stage, world->stage);
+    if (command->stage != world->stage)
+        stage_start(world, command->stage);
+    world->path.from_step = world->step;
+    world->path.n_steps = command->n_steps;
+    world->path.dt = world->dt;
+    for (int w = 0; w < world->n_walls; w++) {
+        world->path.x0[w] = command->position_m[w];
+        world->path.v0[w] = command->velocity_m_per_s[w];
+        world->path.a0[w] = command->acceleration_m_per_s2[w];
+    }
+    return STATUS_OK;
+}
+
+void world_wall_state(const struct world *world, struct wall_state *state)
+{
+    const struct wall_path *path = &world->path;
+    memset(state, 0, sizeof *state);
+    state->step = world->step;
+    state->time_s = world->time_s;
+    state->stage = world->stage;
+    state->stage_step = world->stage_step;
+    state->stage_time_s = world->stage < 0 ? 0 : (double)world->stage_step * world->dt;
+    state->interval_s = path->n_steps * path->dt;
+    state->n_walls = world->n_walls;
+    for (int w = 0; w < world->n_walls; w++) {
+        const struct wall *wall = &world->walls[w];
+        state->position_m[w] = wall->x;
+        state->velocity_m_per_s[w] = state->interval_s > 0 ? (wall->x - path->x0[w]) / state->interval_s : 0;
+        state->force_n[w] = wall->force;
+        state->stage_position_m[w] = world->stage_position_m[w];
+    }
+    measure_wall_stiffness(world, state->stiffness_n_per_m, state->damping_kg_per_s);
+}
+
+static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
+{
+    const unsigned char *bytes = data;
+    for (size_t k = 0; k < size; k++)
+        hash = (hash ^ bytes[k]) * 0x100000001b3u;
+    return hash;
+}
+
+uint64_t world_hash(const struct world *world)
+{
+    const struct particles *p = &world->particles;
+    size_t size = (size_t)p->count * sizeof(double);
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (int c = 0; c < p->dimension; c++) {
+        hash = hash_bytes(hash, p->x[c], size);
+        hash = hash_bytes(hash, p->v[c], size);
+    }
+    for (int c = 0; c < p->n_rotations; c++)
+        hash = hash_bytes(hash, p->omega[c], size);
+    for (int w = 0; w < world->n_walls; w++) {
+        hash = hash_bytes(hash, &world->walls[w].x, sizeof(double));
+        hash = hash_bytes(hash, &world->walls[w].v, sizeof(double));
+    }
+    return hash;
+}

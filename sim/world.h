@@ -1,0 +1,76 @@
+/* The simulated sample: particles, contacts and walls, and how one step changes them. Knows the stages' materials and
+ * time steps, but no target and no protocol: walls move as commands say. */
+#ifndef SHAKEDOWN_SIM_WORLD_H
+#define SHAKEDOWN_SIM_WORLD_H
+
+#include "common/coupling.h"
+#include "common/scene.h"
+#include "sim/contacts.h"
+#include "sim/neighbor.h"
+#include "sim/particles.h"
+
+/* Energy ledger since the start of the stage [J]. */
+struct ledger {
+    double kinetic_start, elastic_start, potential_start;
+    double work_walls;
+    double background; /* dissipated by background damping */
+    struct contact_losses contacts;
+};
+
+struct wall_path {
+    int64_t from_step;
+    int n_steps;
+    double dt;
+    double x0[SCENE_WALLS_MAX], v0[SCENE_WALLS_MAX], a0[SCENE_WALLS_MAX];
+};
+
+struct world {
+    const struct scene *scene;
+    struct particles particles;
+    struct contact_list pairs, wall_contacts;
+    struct neighbor neighbor;
+    struct wall walls[SCENE_WALLS_MAX];
+    int n_walls;
+    struct wall_path path;
+    enum kernel_isa isa;
+    struct contact_kernels kernels;
+    struct contact_law_constants law;
+    const struct scene_material *material; /* of the stage */
+    double gravity[3];                     /* components as the particles' */
+    struct ledger ledger;
+
+    int64_t step;
+    double time_s;
+    int stage; /* -1 before the first command */
+    int64_t stage_step;
+    double stage_time_start_s;
+    double stage_position_m[SCENE_WALLS_MAX];
+    double dt;
+};
+
+/* Makes the sample of the scene at step 0. `scene` must outlive the world. Errors: STATUS_NO_MEMORY, STATUS_LIMIT (no
+ * room), STATUS_USAGE (SHAKEDOWN_ISA). */
+enum status world_create(struct world **world, const struct scene *scene) MUST_USE;
+void world_free(struct world *world);
+
+/* Takes a command: switches to its stage if that is new (the ledger starts anew, forces follow the new material) and
+ * sets the walls on their path. STATUS_FORMAT if the command does not fit the current step. */
+enum status world_command(struct world *world, const struct wall_command *command) MUST_USE;
+
+/* One time step: velocity Verlet with velocities predicted for the force evaluation, second order also for forces that
+ * depend on velocity. STATUS_UNSTABLE if a particle has left the box or is not finite. */
+enum status world_step(struct world *world) MUST_USE;
+
+/* What the controller is told; energies are filled by the caller. */
+void world_wall_state(const struct world *world, struct wall_state *state);
+
+/* Length of the box along component c [m]. */
+double world_box_length_m(const struct world *world, int c);
+
+/* Index of the scene's axis that component c is (2D: 0 -> x, 1 -> z). */
+enum axis world_axis(const struct world *world, int c);
+
+/* FNV-1a over positions, velocities and walls: equal bits, equal hash. */
+uint64_t world_hash(const struct world *world);
+
+#endif
