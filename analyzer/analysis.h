@@ -1,0 +1,34 @@
+/* The analysis of one run: everything that is written about it. */
+#ifndef SHAKEDOWN_ANALYZER_ANALYSIS_H
+#define SHAKEDOWN_ANALYZER_ANALYSIS_H
+
+#include <stdio.h>
+
+#include "analyzer/curves.h"
+#include "analyzer/cycles.h"
+#include "analyzer/quantity.h"
+#include "analyzer/run_file.h"
+#include "common/status.h"
+
+struct analysis {
+    char directory[1024];
+    struct run run;
+    struct curves curves; /* points into run.scene */
+    struct cycles cycles;
+    struct quantity quantity[QUANTITIES];
+};
+
+/* Reads `directory`/run.h5 and evaluates it. Writes nothing. `analysis` need not be initialised; on success release it
+ * with analysis_free. Errors: those of run_read, STATUS_NO_MEMORY, STATUS_USAGE (path too long). */
+enum status analysis_make(struct analysis *analysis, const char *directory) MUST_USE;
+
+void analysis_free(struct analysis *analysis);
+
+/* Writes analysis.json, curves.csv and, for cyclic loading, cycles.csv into the run's directory. STATUS_IO,
+ * STATUS_NO_MEMORY. */
+enum status analysis_write(const struct analysis *analysis) MUST_USE;
+
+/* Prints the table of quantities for people. */
+void analysis_print(FILE *out, const struct analysis *analysis);
+
+#endif

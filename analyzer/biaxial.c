@@ -1,0 +1,261 @@
+#include "analyzer/biaxial.h"
+
+#include <math.h>
+
+#include "analyzer/loading.h"
+
+static const double degrees = 180 / M_PI;
+
+static struct estimate scaled(struct estimate estimate, double factor)
+{
+    return (struct estimate){estimate.value * factor, estimate.error * fabs(factor)};
+}
+
+struct estimate biaxial_dilatancy_angle_rad(struct estimate slope)
+{
+    if (!(slope.value > -1)) /* sin psi would be -1 or less */
+        return (struct estimate){NAN, NAN};
+    double s = slope.value, sine = s / (2 + s);
+    return (struct estimate){asin(sine), slope.error * 2 / ((2 + s) * (2 + s)) / sqrt(1 - sine * sine)};
+}
+
+struct estimate biaxial_sin_phi(struct estimate ratio)
+{
+    double r = ratio.value;
+    return (struct estimate){(r - 1) / (r + 1), ratio.error * 2 / ((r + 1) * (r + 1))};
+}
+
+struct estimate biaxial_poisson_ratio(struct estimate slope, int dimension)
+{
+    struct estimate shifted = {1 + slope.value, slope.error};
+    return scaled(shifted, 1.0 / (dimension - 1));
+}
+
+/* phi = asin(s), tan phi = s/sqrt(1 - s^2), with d phi = ds/cos phi, d tan phi = ds/cos^3 phi. */
+static struct estimate angle_deg(struct estimate sine)
+{
+    return (struct estimate){asin(sine.value) * degrees, sine.error / sqrt(1 - sine.value * sine.value) * degrees};
+}
+
+static struct estimate tangent(struct estimate sine)
+{
+    double cosine = sqrt(1 - sine.value * sine.value);
+    return (struct estimate){sine.value / cosine, sine.error / (cosine * cosine * cosine)};
+}
+
+static void set_in_window(struct quantity *quantity, struct estimate estimate, const double *window)
+{
+    quantity_set(quantity, estimate);
+    quantity_window(quantity, window[0], window[1]);
+}
+
+/* Slope of a curve in the window [a, b], or the reason why there is none. */
+static bool slope_set(const struct loading *loading, enum loading_curve curve, double a, double b,
+                      struct quantity *quantity, struct estimate *slope)
+{
+    size_t first;
+    double window[2] = {a, b};
+    struct points points = loading_window(loading, a, b, &first);
+    if (!statistics_slope(&points, loading->y[curve] + first, slope)) {
+        quantity_undefined(quantity, "%zu samples with axial strain in [%g, %g]: too few", points.n, a, b);
+        return false;
+    }
+    set_in_window(quantity, *slope, window);
+    return true;
+}
+
+static void moduli(const struct curves *curves, const struct loading *loading, const struct scene_analysis *analysis,
+                   struct quantity *q)
+{
+    struct estimate slope;
+    double window[2] = {0, analysis->modulus_strain};
+    if (slope_set(loading, LOADING_SIGMA_ZZ, 0, analysis->modulus_strain, &q[QUANTITY_E_INITIAL], &slope) &&
+        isnan(curves->lateral_pressure_pa))
+        quantity_note(&q[QUANTITY_E_INITIAL], "lateral stress is not held constant: not Young's modulus");
+    if (!slope_set(loading, LOADING_EPS_V, 0, analysis->modulus_strain, &q[QUANTITY_EPS_V_SLOPE_INITIAL], &slope))
+        q[QUANTITY_NU] = q[QUANTITY_EPS_V_SLOPE_INITIAL];
+    else if (isnan(curves->lateral_pressure_pa))
+        quantity_undefined(&q[QUANTITY_NU], "lateral stress is not held constant");
+    else
+        set_in_window(&q[QUANTITY_NU], biaxial_poisson_ratio(slope, curves->dimension), window);
+}
+
+static void dilatancy(const struct loading *loading, const struct scene_analysis *analysis, struct quantity *q)
+{
+    struct estimate slope;
+    double last = loading->eps[loading->n - 1];
+    double window[2] = {analysis->dilatancy_min_strain,
+                        analysis->dilatancy_max_strain > 0 ? fmin(last, analysis->dilatancy_max_strain) : last};
+    if (!slope_set(loading, LOADING_EPS_V, window[0], window[1], &q[QUANTITY_DILATANCY_SLOPE], &slope)) {
+        q[QUANTITY_DILATANCY_ANGLE] = q[QUANTITY_DILATANCY_SLOPE];
+        return;
+    }
+    struct estimate angle = biaxial_dilatancy_angle_rad(slope);
+    if (isnan(angle.value))
+        quantity_undefined(&q[QUANTITY_DILATANCY_ANGLE], "slope %g is at or below -1", slope.value);
+    else
+        set_in_window(&q[QUANTITY_DILATANCY_ANGLE], scaled(angle, degrees), window);
+}
+
+static const enum quantity_id peak_ids[] = {
+    QUANTITY_PEAK_SIGMA_CORR, QUANTITY_PEAK_SIGMA_ZZ,       QUANTITY_PEAK_SIGMA_XX,
+    QUANTITY_PEAK_EPS_ZZ,     QUANTITY_PEAK_STRESS_RATIO,   QUANTITY_PEAK_SIN_PHI,
+    QUANTITY_PEAK_TAN_PHI,    QUANTITY_PEAK_FRICTION_ANGLE, QUANTITY_PEAK_Q_OVER_P,
+};
+enum { PEAK_IDS = sizeof peak_ids / sizeof peak_ids[0] };
+
+/* sigma_corr = p_x sigma_zz/sigma_xx [LH eq. 1.10] and the stress ratio have their maximum at the same strain. */
+static void peak(const struct curves *curves, const struct loading *loading, struct quantity *q)
+{
+    struct loading_peak found;
+    if (!loading_peak_find(loading, LOADING_RATIO, &found)) {
+        for (int k = 0; k < PEAK_IDS; k++)
+            quantity_undefined(&q[peak_ids[k]], "too few samples to look for a peak");
+        return;
+    }
+    struct estimate sine = biaxial_sin_phi(found.value);
+    const struct estimate values[PEAK_IDS] = {scaled(found.value, curves->lateral_pressure_pa),
+                                              found.along[LOADING_SIGMA_ZZ],
+                                              found.along[LOADING_SIGMA_XX],
+                                              found.eps,
+                                              found.value,
+                                              sine,
+                                              tangent(sine),
+                                              angle_deg(sine),
+                                              found.along[LOADING_Q_OVER_P]};
+    for (int k = 0; k < PEAK_IDS; k++) {
+        set_in_window(&q[peak_ids[k]], values[k], found.window);
+        if (found.at_end)
+            quantity_note(&q[peak_ids[k]], "no peak: the stress ratio %s",
+                          found.at_end > 0 ? "still rises at the last sample" : "falls from the first sample");
+    }
+    if (isnan(curves->lateral_pressure_pa))
+        quantity_undefined(&q[QUANTITY_PEAK_SIGMA_CORR], "lateral stress is not held constant");
+}
+
+/* Strain at which the smoothed deviator first reaches `level` before `upper`; NaN if it never does. */
+static double crossing(const struct loading *loading, double level, double upper, double half)
+{
+    enum { GRID = 400 };
+    double first = loading->eps[0], before = NAN;
+    for (int k = 0; k <= GRID; k++) {
+        double step = (upper - first) / GRID, eps = first + step * k;
+        double value = loading_smooth(loading, loading->y[LOADING_Q], eps, half);
+        if (value >= level)
+            return k == 0 ? NAN : eps - step * (value - level) / (value - before);
+        before = value;
+    }
+    return NAN;
+}
+
+struct local_context {
+    const struct points *points;
+    const double *y;
+    double x0;
+};
+
+/* Value and slope of a local straight line. */
+static bool local_line(const void *context, size_t skip_begin, size_t skip_end, double *out)
+{
+    const struct local_context *local = context;
+    double c[FIT_DEGREE_MAX + 1];
+    bool good = statistics_polynomial(local->points, local->y, skip_begin, skip_end, 1, local->x0, c);
+    out[0] = c[0];
+    out[1] = c[1];
+    return good;
+}
+
+/* E50 = (q50 - q0)/(eps50 - eps0) with q50 = (q0 + q_peak)/2. First-order propagation of the errors of q_peak and of q
+ * at the crossing; the latter moves eps50 by u/slope. */
+static void secant_modulus(const struct loading *loading, struct quantity *quantity)
+{
+    struct loading_peak top;
+    if (!loading_peak_find(loading, LOADING_Q, &top)) {
+        quantity_undefined(quantity, "too few samples to look for a peak");
+        return;
+    }
+    double first_eps = loading->eps[0], half = fmax(top.eps.value / 20, 4 * top.eps.value / (double)loading->n);
+    double q0 = loading_smooth(loading, loading->y[LOADING_Q], first_eps, half);
+    double level = (q0 + top.value.value) / 2, eps50 = crossing(loading, level, top.eps.value, half);
+    if (!(eps50 > first_eps)) {
+        quantity_undefined(quantity, "the deviator has no rise to half of its peak");
+        return;
+    }
+    size_t first;
+    struct estimate local[2];
+    struct points points = loading_window(loading, eps50 - half, eps50 + half, &first);
+    struct local_context context = {&points, loading->y[LOADING_Q] + first, eps50};
+    if (!statistics_jackknife(&points, local_line, &context, 2, local)) {
+        quantity_undefined(quantity, "too few samples around half of the peak");
+        return;
+    }
+    double rise = level - q0, run = eps50 - first_eps, slope = local[1].value, modulus = rise / run;
+    double by_place = modulus / (run * slope), by_level = 1 / run - by_place;
+    double window[2] = {first_eps, eps50};
+    struct estimate e50 = {modulus, hypot(by_level * top.value.error / 2, by_place * local[0].error)};
+    set_in_window(quantity, e50, window);
+    if (top.at_end > 0)
+        quantity_note(quantity, "the deviator still rises at the last sample");
+}
+
+static const enum quantity_id final_ids[] = {QUANTITY_RESIDUAL_SIGMA_CORR, QUANTITY_RESIDUAL_STRESS_RATIO,
+                                             QUANTITY_CRITICAL_SIN_PHI, QUANTITY_CRITICAL_FRICTION_ANGLE,
+                                             QUANTITY_CRITICAL_Q_OVER_P};
+enum { FINAL_IDS = sizeof final_ids / sizeof final_ids[0] };
+
+/* Means over the last part of the strain. */
+static void residual(const struct curves *curves, const struct loading *loading, const struct scene_analysis *analysis,
+                     struct quantity *q)
+{
+    size_t first;
+    double last = loading->eps[loading->n - 1];
+    double window[2] = {fmax(loading->eps[0], last - analysis->residual_strain), last};
+    struct points points = loading_window(loading, window[0], window[1], &first);
+    struct estimate ratio, sine, q_over_p;
+    bool good = statistics_mean(&points, loading->y[LOADING_RATIO] + first, &ratio);
+    good = statistics_mean(&points, loading->y[LOADING_SIN_PHI] + first, &sine) && good;
+    good = statistics_mean(&points, loading->y[LOADING_Q_OVER_P] + first, &q_over_p) && good;
+    if (!good) {
+        for (int k = 0; k < FINAL_IDS; k++)
+            quantity_undefined(&q[final_ids[k]], "no stress in the last %g of the strain", analysis->residual_strain);
+        return;
+    }
+    const struct estimate values[FINAL_IDS] = {scaled(ratio, curves->lateral_pressure_pa), ratio, sine, angle_deg(sine),
+                                               q_over_p};
+    for (int k = 0; k < FINAL_IDS; k++)
+        set_in_window(&q[final_ids[k]], values[k], window);
+    if (isnan(curves->lateral_pressure_pa))
+        quantity_undefined(&q[QUANTITY_RESIDUAL_SIGMA_CORR], "lateral stress is not held constant");
+}
+
+static void all_undefined(struct quantity *q, const char *reason)
+{
+    for (int k = QUANTITY_E_INITIAL; k <= QUANTITY_CRITICAL_Q_OVER_P; k++)
+        quantity_undefined(&q[k], "%s", reason);
+}
+
+enum status biaxial_evaluate(const struct curves *curves, const struct scene *scene, struct quantity *quantities)
+{
+    struct loading loading;
+    if (curves->kind != TEST_STRAIN) {
+        all_undefined(quantities, curves->kind == TEST_CYCLIC ? "cyclic stress control: see cycles"
+                                                              : "the stage has not exactly one strain-controlled axis");
+        return STATUS_OK;
+    }
+    if (curves->protocol->axis[curves->axial].strain <= 0) {
+        all_undefined(quantities, "the strain-controlled axis is not compressed");
+        return STATUS_OK;
+    }
+    TRY(loading_extract(&loading, curves));
+    if (loading.n < 2) {
+        all_undefined(quantities, loading.n ? "the stage has no strain yet" : "the stage has no samples");
+    } else {
+        moduli(curves, &loading, &scene->analysis, quantities);
+        secant_modulus(&loading, &quantities[QUANTITY_E50]);
+        dilatancy(&loading, &scene->analysis, quantities);
+        peak(curves, &loading, quantities);
+        residual(curves, &loading, &scene->analysis, quantities);
+    }
+    loading_free(&loading);
+    return STATUS_OK;
+}

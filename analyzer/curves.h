@@ -1,0 +1,86 @@
+/* The curves of one stage: what curves.csv holds, one value per sample. */
+#ifndef SHAKEDOWN_ANALYZER_CURVES_H
+#define SHAKEDOWN_ANALYZER_CURVES_H
+
+#include <stddef.h>
+
+#include "analyzer/run_file.h"
+#include "common/status.h"
+
+/* id, column name. zz is the axial direction and xx the mean over the lateral ones, whatever the axes are called;
+ * compression is positive in sigma, eps_zz, eps_xx, and dilation is positive in eps_v, as in [LH]. */
+#define CURVE_LIST(X)                                                                                                  \
+    X(STEP, "step")                                                                                                    \
+    X(TIME, "time_s")                                                                                                  \
+    X(STAGE_TIME, "stage_time_s")                                                                                      \
+    X(CYCLE, "cycle")                                                                                                  \
+    X(EPS_ZZ, "eps_zz")                                                                                                \
+    X(EPS_XX, "eps_xx")                                                                                                \
+    X(EPS_V, "eps_v")                                                                                                  \
+    X(EPS_D, "eps_d")                                                                                                  \
+    X(SIGMA_ZZ, "sigma_zz_pa")                                                                                         \
+    X(SIGMA_XX, "sigma_xx_pa")                                                                                         \
+    X(SIGMA_D, "sigma_d_pa")                                                                                           \
+    X(SIGMA_CORR, "sigma_corr_pa")                                                                                     \
+    X(STRESS_RATIO, "stress_ratio")                                                                                    \
+    X(SIN_PHI, "sin_phi")                                                                                              \
+    X(Q_OVER_P, "q_over_p")                                                                                            \
+    X(CONTACT_ZZ, "sigma_zz_contact_pa")                                                                               \
+    X(CONTACT_XX, "sigma_xx_contact_pa")                                                                               \
+    X(SOLID_FRACTION, "solid_fraction")                                                                                \
+    X(COORDINATION, "coordination")                                                                                    \
+    X(COORDINATION_NO_RATTLERS, "coordination_no_rattlers")                                                            \
+    X(RATTLER_FRACTION, "rattler_fraction")                                                                            \
+    X(SLIDING_FRACTION, "sliding_fraction")                                                                            \
+    X(MAX_OVERLAP_RATIO, "max_overlap_ratio")                                                                          \
+    X(INERTIAL_NUMBER, "inertial_number")                                                                              \
+    X(FABRIC_MAJOR, "fabric_major")                                                                                    \
+    X(FABRIC_MINOR, "fabric_minor")                                                                                    \
+    X(FABRIC_ANISOTROPY, "fabric_anisotropy")                                                                          \
+    X(FABRIC_ZZ, "fabric_zz")                                                                                          \
+    X(KINETIC_ENERGY, "kinetic_energy_j")                                                                              \
+    X(WORK, "work_j")                                                                                                  \
+    X(ENERGY_RESIDUAL, "energy_residual_j")
+
+enum curve {
+#define CURVE_ENUM(id, name) CURVE_##id,
+    CURVE_LIST(CURVE_ENUM)
+#undef CURVE_ENUM
+        CURVES
+};
+
+enum test_kind {
+    TEST_NONE,   /* neither of the two, e.g. a relaxation */
+    TEST_STRAIN, /* exactly one axis under strain control: biaxial (2D), triaxial (3D), or oedometric */
+    TEST_CYCLIC, /* exactly one axis under cyclic stress control, none under strain control */
+};
+
+struct curves {
+    int dimension;
+    int stage;                          /* index in the scene */
+    const struct scene_stage *protocol; /* of the run's scene: must outlive the curves */
+    enum test_kind kind;
+    enum axis axial;            /* the controlled axis; z if kind is TEST_NONE */
+    double lateral_pressure_pa; /* p_x, the mean over the lateral targets; NaN unless all are constant stresses */
+    size_t n;
+    double *column[CURVES];   /* [n] each */
+    double stress_difference; /* |sigma_wall - sigma_contact| over |sigma_wall|, rms over axes and samples; NaN */
+};
+
+/* Name of a column, with its unit unless it is 1. */
+const char *curve_name(enum curve curve);
+
+/* Extracts the stage scene.analysis.stage of `run`; strains count from its first sample, eps_ii = 1 - L_i/L_i0. A stage
+ * without samples gives n = 0, which is no error. Release with curves_free. Errors: STATUS_NO_MEMORY. */
+enum status curves_extract(struct curves *curves, const struct run *run) MUST_USE;
+
+void curves_free(struct curves *curves);
+
+/* Writes all columns as CSV with one line of names; a value that is not finite is written as nan. STATUS_IO. */
+enum status curves_write_csv(const struct curves *curves, const char *path) MUST_USE;
+
+/* Eigenvalues of a symmetric tensor[dimension][dimension], largest first (2D: closed form; 3D: trigonometric solution
+ * of the characteristic equation, Smith 1961). NaN in, NaN out. */
+void tensor_eigenvalues(const double *tensor, int dimension, double *eigenvalues);
+
+#endif

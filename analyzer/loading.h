@@ -1,0 +1,58 @@
+/* The loading branch of a strain-controlled stage, and local fits on it. */
+#ifndef SHAKEDOWN_ANALYZER_LOADING_H
+#define SHAKEDOWN_ANALYZER_LOADING_H
+
+#include <stddef.h>
+
+#include "analyzer/curves.h"
+#include "analyzer/statistics.h"
+#include "common/status.h"
+
+/* The curves that are evaluated against axial strain. */
+enum loading_curve {
+    LOADING_EPS_V,
+    LOADING_SIGMA_ZZ,
+    LOADING_SIGMA_XX,
+    LOADING_RATIO,
+    LOADING_SIN_PHI,
+    LOADING_Q_OVER_P,
+    LOADING_Q,
+    LOADING_CURVES
+};
+
+struct loading {
+    size_t n;
+    double *eps;               /* [n], axial strain, strictly increasing */
+    double *w;                 /* [n], the strain a sample stands for */
+    double *y[LOADING_CURVES]; /* [n] each; NaN where undefined */
+};
+
+/* Takes those samples that reach a new largest axial strain: the wall rests after its motion, and samples at rest carry
+ * no information about slopes. Release with loading_free. STATUS_NO_MEMORY. */
+enum status loading_extract(struct loading *loading, const struct curves *curves) MUST_USE;
+
+void loading_free(struct loading *loading);
+
+/* The samples with eps in [a, b] (up to rounding), as points over eps; *first is the index of the first of them. */
+struct points loading_window(const struct loading *loading, double a, double b, size_t *first);
+
+/* Value of curve y[n] at `eps` by a local quadratic over [eps - half, eps + half], cut at the ends of the data
+ * (Savitzky-Golay for uneven samples). NaN if there are too few points. */
+double loading_smooth(const struct loading *loading, const double *y, double eps, double half);
+
+/* A maximum of a curve. */
+struct loading_peak {
+    double window[2];    /* of the final fit */
+    struct estimate eps; /* its place */
+    struct estimate value;
+    struct estimate along[LOADING_CURVES]; /* value of every curve there; the error includes that of the place */
+    int at_end; /* 0: a true peak; 1: the curve still rises at the last sample; -1: falls from the first */
+};
+
+/* The maximum of curve `which`, in two steps. Coarse: the largest value of loading_smooth, half window 1/40 of the
+ * strain range, on a grid of 401 strains. Fine: the vertex of a least-squares parabola over [eps_p - h, eps_p + h], h =
+ * max(range/40, eps_p/4), moved to its own vertex up to four times; cut at the ends of the data. Errors by
+ * statistics_jackknife of the whole second step. False if there are fewer than 9 samples to stand on. */
+bool loading_peak_find(const struct loading *loading, enum loading_curve which, struct loading_peak *peak);
+
+#endif

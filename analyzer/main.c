@@ -1,0 +1,120 @@
+/* analyzer [--out DIR] [--no-plots] DIR... : parameters, curves and plots from DIR/run.h5, and an ensemble over
+ * several. */
+#include <errno.h>
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "analyzer/analysis.h"
+#include "analyzer/ensemble.h"
+#include "analyzer/plots.h"
+
+static const char usage[] =
+    "usage: analyzer [--out DIR] [--no-plots] DIR...\n"
+    "  Reads DIR/run.h5 and writes into DIR: analysis.json, curves.csv, plots (.gp, .svg, .png);\n"
+    "  of cyclic tests also cycles.csv. Prints a table. Several DIR: an ensemble as well.\n"
+    "  --out DIR    where ensemble.json goes (made if missing); without it the ensemble is only printed\n"
+    "  --no-plots   do not run gnuplot\n";
+
+struct options {
+    const char *out; /* NULL: no ensemble.json */
+    bool plots;
+};
+
+static enum status options_read(int argc, char **argv, struct options *options, bool *help)
+{
+    static const struct option known[] = {{"out", required_argument, NULL, 'o'},
+                                          {"no-plots", no_argument, NULL, 'n'},
+                                          {"help", no_argument, NULL, 'h'},
+                                          {0}};
+    int c;
+    *options = (struct options){NULL, true};
+    *help = false;
+    while ((c = getopt_long(argc, argv, "o:h", known, NULL)) != -1) {
+        if (c == 'o')
+            options->out = optarg;
+        else if (c == 'n')
+            options->plots = false;
+        else if (c == 'h')
+            *help = true;
+        else
+            return status_fail(STATUS_USAGE, "see analyzer --help");
+    }
+    if (!*help && optind == argc)
+        return status_fail(STATUS_USAGE, "no directory given; see analyzer --help");
+    return STATUS_OK;
+}
+
+/* Analyses one run, writes its files, prints its table, adds it to the ensemble. The numbers come before the plots, so
+ * that they are there even if gnuplot is not. */
+static enum status report(const struct analysis *analysis, const struct options *options, struct ensemble *ensemble)
+{
+    int n_plots = 0;
+    if (!analysis->run.complete)
+        fprintf(stderr, "analyzer: warning: %s: the run is INCOMPLETE%s%s; analysed as far as it goes (t = %g s)\n",
+                analysis->directory, analysis->run.reason[0] ? ": " : "", analysis->run.reason,
+                analysis->run.n_samples ? analysis->run.time_s[analysis->run.n_samples - 1] : 0);
+    TRY(analysis_write(analysis));
+    analysis_print(stdout, analysis);
+    TRY(ensemble_add(ensemble, analysis));
+    if (options->plots)
+        TRY(plots_write(analysis, &n_plots));
+    printf("results: %s/analysis.json, curves.csv%s, %d plots (.svg, .png)\n\n", analysis->directory,
+           analysis->curves.kind == TEST_CYCLIC ? ", cycles.csv" : "", n_plots);
+    return STATUS_OK;
+}
+
+static enum status analyse(const char *directory, const struct options *options, struct ensemble *ensemble)
+{
+    struct analysis *analysis = malloc(sizeof *analysis);
+    if (!analysis)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    enum status status = analysis_make(analysis, directory);
+    if (status == STATUS_OK) {
+        status = report(analysis, options, ensemble);
+        analysis_free(analysis);
+    }
+    free(analysis);
+    return status;
+}
+
+static enum status ensemble_report(const struct ensemble *ensemble, const struct options *options)
+{
+    char path[2048];
+    TRY(ensemble_print(stdout, ensemble));
+    if (!options->out)
+        return STATUS_OK;
+    if (mkdir(options->out, 0777) != 0 && errno != EEXIST)
+        return status_fail(STATUS_IO, "%s: %s", options->out, strerror(errno));
+    if (snprintf(path, sizeof path, "%s/ensemble.json", options->out) >= (int)sizeof path)
+        return status_fail(STATUS_USAGE, "%.60s...: the path is too long", options->out);
+    TRY(ensemble_write(ensemble, path));
+    printf("results: %s\n", path);
+    return STATUS_OK;
+}
+
+int main(int argc, char **argv)
+{
+    struct options options;
+    struct ensemble ensemble = {0};
+    bool help;
+    enum status status = options_read(argc, argv, &options, &help);
+    int code = status_report("analyzer", status);
+    if (status != STATUS_OK || help) {
+        fputs(help ? usage : "", stdout);
+        return code;
+    }
+    /* one bad run does not cost the others; the exit code is that of the first failure */
+    for (int k = optind; k < argc; k++) {
+        int failed = status_report("analyzer", analyse(argv[k], &options, &ensemble));
+        code = code ? code : failed;
+    }
+    if ((argc - optind > 1 || options.out) && ensemble.n > 0) {
+        int failed = status_report("analyzer", ensemble_report(&ensemble, &options));
+        code = code ? code : failed;
+    }
+    ensemble_free(&ensemble);
+    return code;
+}

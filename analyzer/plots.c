@@ -1,0 +1,270 @@
+#include "analyzer/plots.h"
+
+#include <errno.h>
+#include <math.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* Colours that stay apart for colour-blind readers (Okabe & Ito 2008). */
+#define BLUE   "#0072B2"
+#define ORANGE "#D55E00"
+#define GREEN  "#009E73"
+#define GREY   "#999999"
+
+static const char preamble[] = "# Made by analyzer; run `gnuplot %s.gp` here to make the plot again.\n"
+                               "set encoding utf8\n"
+                               "set datafile separator ','\n"
+                               "set datafile columnheaders\n"
+                               "set terminal svg size 720,500 enhanced font 'DejaVu Sans,15' background 'white'\n"
+                               "set output '%s.svg'\n"
+                               "set border 31 linewidth 1.2\n"
+                               "set tics nomirror in scale 0.8\n"
+                               "set mxtics 2\nset mytics 2\n"
+                               "set grid linewidth 0.6 linecolor '#dddddd'\n"
+                               "set key opaque samplen 2.2 spacing 1.15 font ',13'\n"
+                               "set lmargin 11\n";
+
+static const char epilogue[] =
+    "set terminal pngcairo size 1440,1000 enhanced font 'DejaVu Sans,15' fontscale 2 linewidth 2 "
+    "pointscale 2 background 'white'\n"
+    "set output '%s.png'\n"
+    "replot\n"
+    "unset output\n";
+
+/* What a script body needs. Abscissa: axial strain in per cent for a strain-controlled stage, else time. */
+struct plot {
+    const struct analysis *analysis;
+    FILE *out;
+    const char *x; /* gnuplot expression */
+};
+
+static bool defined(const struct plot *plot, enum quantity_id id)
+{
+    return isfinite(plot->analysis->quantity[id].value);
+}
+
+static void abscissa(const struct plot *plot)
+{
+    if (plot->analysis->curves.kind == TEST_STRAIN)
+        fprintf(plot->out, "set xlabel 'axial strain {/Symbol e}_{zz} [%%]'\n");
+    else
+        fprintf(plot->out, "set xlabel 'time in stage [s]'\n");
+}
+
+static void stress_strain(const struct plot *plot)
+{
+    const struct quantity *q = plot->analysis->quantity;
+    bool corrected = isfinite(plot->analysis->curves.lateral_pressure_pa);
+    abscissa(plot);
+    fprintf(plot->out, "set ylabel 'stress [N/m²]'\nset key bottom right\n");
+    bool peak = defined(plot, QUANTITY_PEAK_SIGMA_CORR);
+    if (peak)
+        fprintf(plot->out, "$peak << END\nx,y,u\n%.10g,%.10g,%.10g\nEND\n", 100 * q[QUANTITY_PEAK_EPS_ZZ].value,
+                q[QUANTITY_PEAK_SIGMA_CORR].value, fmax(0, q[QUANTITY_PEAK_SIGMA_CORR].uncertainty));
+    fprintf(plot->out,
+            "plot 'curves.csv' using (%s):(column('sigma_zz_pa')) with lines linewidth 2 linecolor '" BLUE
+            "' title '{/Symbol s}_{zz}', \\\n"
+            "     '' using (%s):(column('sigma_xx_pa')) with lines linewidth 2 linecolor '" GREEN
+            "' title '{/Symbol s}_{xx}'",
+            plot->x, plot->x);
+    if (corrected)
+        fprintf(
+            plot->out,
+            ", \\\n     '' using (%s):(column('sigma_corr_pa')) with lines linewidth 1.5 dashtype 2 linecolor '" ORANGE
+            "' title '{/Symbol s}_{corr} = p_x {/Symbol s}_{zz}/{/Symbol s}_{xx}'",
+            plot->x);
+    if (peak)
+        fprintf(
+            plot->out,
+            ", \\\n     $peak using 1:2:3 with yerrorbars pointtype 7 pointsize 0.8 linewidth 1.5 linecolor 'black' "
+            "title '%s'",
+            q[QUANTITY_PEAK_SIGMA_CORR].text[0] ? "largest {/Symbol s}_{corr}" : "peak");
+    fputc('\n', plot->out);
+}
+
+/* Mean point of eps_v over eps_zz in the window of a quantity: a fitted line passes through it. */
+static void mean_point(const struct curves *curves, const struct quantity *quantity, double *x, double *y)
+{
+    double count = 0;
+    *x = *y = 0;
+    for (size_t k = 0; k < curves->n; k++) {
+        double eps = curves->column[CURVE_EPS_ZZ][k];
+        if (eps < quantity->window[0] - 1e-12 || eps > quantity->window[1] + 1e-12)
+            continue;
+        *x += eps;
+        *y += curves->column[CURVE_EPS_V][k];
+        count++;
+    }
+    *x /= count;
+    *y /= count;
+}
+
+/* A fitted slope, drawn over its window stretched by `stretch` to the right. */
+static void slope_line(const struct plot *plot, enum quantity_id id, double stretch, const char *title)
+{
+    const struct quantity *quantity = &plot->analysis->quantity[id];
+    double x, y, a = quantity->window[0],
+                 b = quantity->window[0] + stretch * (quantity->window[1] - quantity->window[0]);
+    if (!defined(plot, id))
+        return;
+    mean_point(&plot->analysis->curves, quantity, &x, &y);
+    fprintf(
+        plot->out,
+        ", \\\n     [%.10g:%.10g] %.10g + (%.10g)*(x - %.10g) with lines linewidth 2 dashtype %d linecolor '%s' title "
+        "'%s: slope %.3g'",
+        100 * a, 100 * b, 100 * y, quantity->value, 100 * x, stretch > 1 ? 3 : 2, stretch > 1 ? ORANGE : GREEN, title,
+        quantity->value);
+}
+
+static void volumetric_strain(const struct plot *plot)
+{
+    abscissa(plot);
+    fprintf(plot->out,
+            "set ylabel 'volumetric strain {/Symbol e}_V [%%]'\nset key top left\n"
+            "plot 'curves.csv' using (%s):(100*column('eps_v')) with lines linewidth 2 linecolor '" BLUE
+            "' title '{/Symbol e}_V (dilation positive)'",
+            plot->x);
+    if (plot->analysis->curves.kind == TEST_STRAIN) {
+        slope_line(plot, QUANTITY_EPS_V_SLOPE_INITIAL, 3, "initial");
+        slope_line(plot, QUANTITY_DILATANCY_SLOPE, 1, "dilatancy");
+    }
+    fputc('\n', plot->out);
+}
+
+static void fabric(const struct plot *plot)
+{
+    abscissa(plot);
+    fprintf(
+        plot->out,
+        "set rmargin 11\nset ylabel 'contacts per particle'\nset y2label 'solid fraction'\nset y2tics\n"
+        "set ytics nomirror\nset key outside top center horizontal\n"
+        "plot 'curves.csv' using (%s):(column('coordination')) with lines linewidth 2 linecolor '" BLUE
+        "' title 'coordination', \\\n"
+        "     '' using (%s):(column('coordination_no_rattlers')) with lines linewidth 2 dashtype 2 linecolor '" GREEN
+        "' title 'without rattlers', \\\n"
+        "     '' using (%s):(column('solid_fraction')) axes x1y2 with lines linewidth 2 linecolor '" ORANGE
+        "' title 'solid fraction (right)'\n",
+        plot->x, plot->x, plot->x);
+}
+
+static void loops(const struct plot *plot)
+{
+    size_t n = plot->analysis->cycles.n, chosen[3] = {1, 2, n};
+    static const char *const colours[] = {BLUE, GREEN, ORANGE};
+    fprintf(
+        plot->out,
+        "set xlabel 'deviatoric strain {/Symbol e}_D [%%]'\nset ylabel 'deviatoric stress {/Symbol s}_D [N/m²]'\n"
+        "set key bottom right\n"
+        "plot 'curves.csv' using (100*column('eps_d')):(column('sigma_d_pa')) with lines linewidth 0.8 linecolor '" GREY
+        "' title 'all %zu cycles'",
+        n);
+    for (size_t k = 0; k < 3; k++)
+        if (chosen[k] <= n && chosen[k] > (k ? chosen[k - 1] : 0))
+            fprintf(
+                plot->out,
+                ", \\\n     '' using (column('cycle') == %zu ? 100*column('eps_d') : NaN):(column('sigma_d_pa')) with "
+                "lines linewidth 2 linecolor '%s' title 'cycle %zu'",
+                chosen[k], colours[k], chosen[k]);
+    fputc('\n', plot->out);
+}
+
+static void accumulation(const struct plot *plot)
+{
+    fprintf(plot->out,
+            "set xlabel 'cycles'\nset ylabel 'accumulated strain [%%]'\nset key top left\n"
+            "plot 'cycles.csv' using 1:(100*column('eps_d')) with linespoints pointtype 7 pointsize 0.5 linewidth "
+            "1.5 linecolor '" BLUE "' title '{/Symbol e}_D', \\\n"
+            "     '' using 1:(100*column('eps_v')) with linespoints pointtype 6 pointsize 0.5 linewidth 1.5 "
+            "linecolor '" ORANGE "' title '{/Symbol e}_V (dilation positive)'\n");
+}
+
+static void accumulation_log(const struct plot *plot)
+{
+    const struct quantity *q = plot->analysis->quantity;
+    double a = q[QUANTITY_CYCLES_ACCUMULATION_FACTOR].value, b = q[QUANTITY_CYCLES_ACCUMULATION_EXPONENT].value;
+    fprintf(plot->out,
+            "set logscale xy\nset mxtics 10\nset mytics 10\nset format y '10^{%%T}'\n"
+            "set xlabel 'cycles N'\nset ylabel 'accumulated strain |{/Symbol e}_D|'\nset key top left\n"
+            "plot 'cycles.csv' using 1:(abs(column('eps_d'))) with points pointtype 7 pointsize 0.7 linecolor '" BLUE
+            "' title '|{/Symbol e}_D|'");
+    if (isfinite(a) && isfinite(b))
+        fprintf(plot->out,
+                ", \\\n     %.10g*x**(%.10g) with lines linewidth 2 dashtype 2 linecolor '" ORANGE
+                "' title 'fit a N^{b}, b = %.3g'",
+                a, b, b);
+    fputc('\n', plot->out);
+}
+
+static const struct plot_kind {
+    const char *stem;
+    void (*body)(const struct plot *plot);
+    bool cyclic; /* needs finished cycles */
+} kinds[] = {
+    {"stress_strain", stress_strain, false},
+    {"volumetric_strain", volumetric_strain, false},
+    {"fabric", fabric, false},
+    {"loops", loops, true},
+    {"accumulation", accumulation, true},
+    {"accumulation_log", accumulation_log, true},
+};
+
+static enum status script_write(const struct analysis *analysis, const struct plot_kind *kind)
+{
+    char path[sizeof analysis->directory + 64];
+    snprintf(path, sizeof path, "%s/%s.gp", analysis->directory, kind->stem);
+    struct plot plot = {analysis, fopen(path, "w"),
+                        analysis->curves.kind == TEST_STRAIN ? "100*column('eps_zz')" : "column('stage_time_s')"};
+    if (!plot.out)
+        return status_fail(STATUS_IO, "%s: %s", path, strerror(errno));
+    fprintf(plot.out, preamble, kind->stem, kind->stem);
+    kind->body(&plot);
+    fprintf(plot.out, epilogue, kind->stem);
+    int failed = ferror(plot.out); /* sticky: covers every write above */
+    if (fclose(plot.out) != 0 || failed)
+        return status_fail(STATUS_IO, "%s: cannot be written: %s", path, strerror(errno));
+    return STATUS_OK;
+}
+
+/* Runs `gnuplot <stem>.gp` in the directory and waits for it. */
+static enum status gnuplot_run(const char *directory, const char *stem)
+{
+    char program[] = "gnuplot", script[64];
+    char *const arguments[] = {program, script, NULL};
+    posix_spawn_file_actions_t actions;
+    pid_t child;
+    int how = 0;
+    snprintf(script, sizeof script, "%s.gp", stem);
+    if (posix_spawn_file_actions_init(&actions) != 0)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    int failed = posix_spawn_file_actions_addchdir_np(&actions, directory);
+    if (failed == 0)
+        failed = posix_spawnp(&child, program, &actions, NULL, arguments, environ);
+    if (posix_spawn_file_actions_destroy(&actions) != 0 && failed == 0)
+        failed = EINVAL;
+    if (failed != 0)
+        return status_fail(STATUS_IO, "gnuplot cannot be run (is gnuplot-nox installed?): %s", strerror(failed));
+    while (waitpid(child, &how, 0) < 0)
+        if (errno != EINTR)
+            return status_fail(STATUS_IO, "gnuplot: %s", strerror(errno));
+    if (!WIFEXITED(how) || WEXITSTATUS(how) != 0)
+        return status_fail(STATUS_IO, "%s/%s: gnuplot failed", directory, script);
+    return STATUS_OK;
+}
+
+enum status plots_write(const struct analysis *analysis, int *n_made)
+{
+    *n_made = 0;
+    if (analysis->curves.n < 2)
+        return STATUS_OK;
+    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
+        if (kinds[k].cyclic && analysis->cycles.n == 0)
+            continue;
+        TRY(script_write(analysis, &kinds[k]));
+        TRY(gnuplot_run(analysis->directory, kinds[k].stem));
+        (*n_made)++;
+    }
+    return STATUS_OK;
+}

@@ -1,0 +1,14 @@
+/* Plots of one analysis: gnuplot scripts beside the CSV files, and the SVG and PNG that they make. */
+#ifndef SHAKEDOWN_ANALYZER_PLOTS_H
+#define SHAKEDOWN_ANALYZER_PLOTS_H
+
+#include "analyzer/analysis.h"
+#include "common/status.h"
+
+/* Writes <stem>.gp into the run's directory and runs gnuplot on it, for the stems stress_strain, volumetric_strain,
+ * fabric, and for cyclic loading loops, accumulation, accumulation_log. analysis_write must have been called. A stage
+ * with fewer than 2 samples gets no plots. *n_made counts the plots. STATUS_IO: a script cannot be written, gnuplot is
+ * not installed or fails. */
+enum status plots_write(const struct analysis *analysis, int *n_made) MUST_USE;
+
+#endif

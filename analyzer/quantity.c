@@ -1,0 +1,68 @@
+#include "analyzer/quantity.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const keys[QUANTITIES] = {
+#define QUANTITY_KEY(id, key, unit) key,
+    QUANTITY_LIST(QUANTITY_KEY)
+#undef QUANTITY_KEY
+};
+
+static const char *const units[QUANTITIES] = {
+#define QUANTITY_UNIT(id, key, unit) unit,
+    QUANTITY_LIST(QUANTITY_UNIT)
+#undef QUANTITY_UNIT
+};
+
+const char *quantity_key(enum quantity_id id)
+{
+    return keys[id];
+}
+
+const char *quantity_unit(enum quantity_id id)
+{
+    return units[id];
+}
+
+bool quantity_is_cyclic(enum quantity_id id)
+{
+    return strncmp(keys[id], "cycles.", strlen("cycles.")) == 0;
+}
+
+void quantity_undefined(struct quantity *quantity, const char *format, ...)
+{
+    va_list arguments;
+    *quantity = (struct quantity){.value = NAN, .uncertainty = NAN};
+    va_start(arguments, format);
+    vsnprintf(quantity->text, sizeof quantity->text, format, arguments);
+    va_end(arguments);
+}
+
+void quantity_set(struct quantity *quantity, struct estimate estimate)
+{
+    if (!isfinite(estimate.value)) {
+        quantity_undefined(quantity, "not a finite number");
+        return;
+    }
+    *quantity = (struct quantity){.value = estimate.value, .uncertainty = estimate.error};
+}
+
+void quantity_window(struct quantity *quantity, double a, double b)
+{
+    quantity->has_window = true;
+    quantity->window[0] = a;
+    quantity->window[1] = b;
+}
+
+void quantity_note(struct quantity *quantity, const char *format, ...)
+{
+    va_list arguments;
+    if (isnan(quantity->value)) /* keep the reason */
+        return;
+    va_start(arguments, format);
+    vsnprintf(quantity->text, sizeof quantity->text, format, arguments);
+    va_end(arguments);
+}
