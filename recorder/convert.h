@@ -1,0 +1,11 @@
+/* Recording from an LCM event log. */
+#ifndef SHAKEDOWN_RECORDER_CONVERT_H
+#define SHAKEDOWN_RECORDER_CONVERT_H
+
+#include "recorder/recording.h"
+
+/* Takes all messages of the log at `path` and finishes the recording. STATUS_INCOMPLETE, with a readable run.h5, if the
+ * log lacks messages of the run; STATUS_IO if it cannot be read or run.h5 cannot be written. */
+enum status convert_log(struct recording *recording, const char *path) MUST_USE;
+
+#endif

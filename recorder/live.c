@@ -1,0 +1,183 @@
+#include "recorder/live.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "common/signals.h"
+
+/* How the sender is told (lcmtypes/CHANNELS.md), and how the end is kept: END comes again every 100 ms until the sender
+ * knows that the run is complete, so three silent rounds mean that it does. */
+enum { ACK_EVERY_RECORDS = 8, WAIT_MS = 10 };
+static const double ACK_EVERY_S = 0.05, FLUSH_EVERY_S = 2.0, STOP_PATIENCE_S = 10.0;
+static const double LINGER_S = 0.3, LINGER_MAX_S = 5.0, FAILED_ACKS_S = 0.5;
+
+struct live;
+
+/* One subscription. */
+struct live_channel {
+    struct live *live;
+    int kind;
+    lcm_subscription_t *subscription; /* NULL: ended */
+};
+
+struct live {
+    struct bus bus;
+    struct recording *recording;
+    double timeout_s;
+    struct live_channel channels[MESSAGE_KINDS];
+    enum status status; /* of the last handler that failed */
+    bool failed;        /* told to the sender */
+    int64_t ack_seq;
+    int records_unanswered;
+    bool answer_now;
+    int64_t ends; /* copies of END that came */
+    double ack_at_s, flush_at_s, message_at_s, stop_at_s;
+};
+
+static void on_message(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    struct live_channel *source = user;
+    struct live *live = source->live;
+    enum recording_answer answer;
+    (void)channel;
+    if (live->status != STATUS_OK)
+        return;
+    int64_t foreign = recording_drops(live->recording)->foreign;
+    live->status = recording_take(live->recording, source->kind, buffer->data, buffer->data_size, &answer);
+    if (recording_drops(live->recording)->foreign == foreign)
+        live->message_at_s = clock_now_s();
+    live->records_unanswered += answer == ANSWER_SOON;
+    live->answer_now |= answer == ANSWER_NOW;
+    live->ends += source->kind == RECORD_END;
+}
+
+static enum status send_ack(struct live *live)
+{
+    enum { ACK_SIZE_MAX = 256 };
+    unsigned char bytes[ACK_SIZE_MAX];
+    int64_t next_seq[RECORD_CHANNELS];
+    shakedown_record_ack_t ack = {.seq = live->ack_seq++, .failed = live->failed};
+    recording_ack(live->recording, next_seq, &ack);
+    int size = shakedown_record_ack_t_encode(bytes, 0, sizeof bytes, &ack);
+    if (size < 0)
+        return status_fail(STATUS_FORMAT, "cannot encode RECORD_ACK");
+    live->answer_now = false;
+    live->records_unanswered = 0;
+    live->ack_at_s = clock_now_s();
+    return bus_publish(&live->bus, CHANNEL_RECORD_ACK, bytes, (size_t)size);
+}
+
+/* Walls come at the full rate of exchange: if they are not wanted they should not cost anything. */
+static void unsubscribe_walls(struct live *live)
+{
+    if (!recording_has_run(live->recording) || recording_wants_walls(live->recording))
+        return;
+    for (int kind = MESSAGE_WALL_STATE; kind <= MESSAGE_WALL_COMMAND; kind++) {
+        bus_unsubscribe(&live->bus, live->channels[kind].subscription);
+        live->channels[kind].subscription = NULL;
+    }
+}
+
+static enum status handle(struct live *live, int timeout_ms)
+{
+    bool handled;
+    TRY(bus_handle(&live->bus, timeout_ms, &handled));
+    TRY(live->status);
+    double now_s = clock_now_s();
+    if (live->answer_now || live->records_unanswered >= ACK_EVERY_RECORDS || now_s - live->ack_at_s >= ACK_EVERY_S)
+        TRY(send_ack(live));
+    return STATUS_OK;
+}
+
+/* Whether to go on waiting for END. */
+static bool has_patience(struct live *live)
+{
+    double now_s = clock_now_s();
+    if (stop_requested() && live->stop_at_s == INFINITY) {
+        live->stop_at_s = now_s + STOP_PATIENCE_S;
+        fprintf(stderr, "recorder: stop requested, waiting for END for at most %g s\n", STOP_PATIENCE_S);
+    }
+    if (now_s > live->stop_at_s || stop_request_count() > 1)
+        return false;
+    if (now_s - live->message_at_s <= live->timeout_s)
+        return true;
+    fprintf(stderr, "recorder: no message of this run for %g s\n", live->timeout_s);
+    return false;
+}
+
+static enum status record_until_end(struct live *live)
+{
+    while (!recording_end_matches(live->recording) && has_patience(live)) {
+        TRY(handle(live, WAIT_MS));
+        unsubscribe_walls(live);
+        if (clock_now_s() - live->flush_at_s >= FLUSH_EVERY_S) {
+            TRY(recording_flush(live->recording));
+            live->flush_at_s = clock_now_s(); /* a slow disk shall not be flushed all the time */
+        }
+    }
+    return STATUS_OK;
+}
+
+/* Answers the copies of END until the sender has stopped asking. */
+static enum status linger(struct live *live)
+{
+    double start_s = clock_now_s(), last_end_s = start_s;
+    TRY(send_ack(live));
+    for (double now_s = start_s; now_s - last_end_s < LINGER_S && now_s - start_s < LINGER_MAX_S;
+         now_s = clock_now_s()) {
+        int64_t ends = live->ends;
+        TRY(handle(live, WAIT_MS));
+        if (live->ends != ends)
+            last_end_s = clock_now_s();
+    }
+    return STATUS_OK;
+}
+
+/* Tells the sender that it need not go on, more than once because it may be lost. `status` stays the reason. */
+static void tell_failure(struct live *live)
+{
+    double start_s = clock_now_s();
+    live->failed = true;
+    do {
+        bool handled; /* what comes is dropped: live->status says so to the handler */
+        if (send_ack(live) != STATUS_OK || bus_handle(&live->bus, (int)(1e3 * ACK_EVERY_S), &handled) != STATUS_OK)
+            return;
+    } while (clock_now_s() - start_s < FAILED_ACKS_S);
+}
+
+static enum status subscribe(struct live *live)
+{
+    for (int kind = 0; kind < MESSAGE_KINDS; kind++) {
+        struct live_channel *channel = &live->channels[kind];
+        channel->live = live;
+        channel->kind = kind;
+        TRY(bus_subscribe_for_a_while(&live->bus, message_channel(kind), on_message, channel, &channel->subscription));
+    }
+    return STATUS_OK;
+}
+
+static enum status record(struct live *live)
+{
+    TRY(subscribe(live));
+    live->message_at_s = live->flush_at_s = clock_now_s();
+    TRY(record_until_end(live));
+    TRY(recording_finish(live->recording));
+    return linger(live);
+}
+
+enum status live_record(struct recording *recording, const struct live_options *options)
+{
+    struct live live = {.recording = recording, .timeout_s = options->timeout_s, .stop_at_s = INFINITY};
+    TRY(bus_open(&live.bus, options->lcm_url));
+    enum status status = record(&live);
+    if (status == STATUS_IO || status == STATUS_NO_MEMORY) {
+        char reason[1024];
+        snprintf(reason, sizeof reason, "%s", status_message());
+        live.status = status;
+        tell_failure(&live);
+        if (recording_finish(recording) != STATUS_OK)
+            (void)status_fail(status, "%s", reason); /* the first reason is the one to report */
+    }
+    bus_close(&live.bus);
+    return status;
+}

@@ -1,0 +1,109 @@
+/* recorder: writes what a run says to run.h5, live from the bus or from an LCM event log. */
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "common/command_line.h"
+#include "common/signals.h"
+#include "recorder/convert.h"
+#include "recorder/live.h"
+
+static const char USAGE[] =
+    "usage: recorder --run-id N --out DIR [--lcm URL] [--timeout SECONDS]   records a run from the bus\n"
+    "       recorder --from run.lcm --out DIR                               converts an LCM event log\n"
+    "Writes DIR/run.h5 (H5MD 1.1) and DIR/run.xdmf, and DIR/run.lcm if the scene says record.event_log.\n"
+    "Ends when the run is complete, on SIGINT or SIGTERM (10 s of patience for END, none after a second signal), or\n"
+    "after SECONDS (default 60) without a message of the run. Exit code 0: complete; 9: messages are missing.\n";
+
+struct arguments {
+    struct command_line line;
+    const char *out, *from, *timeout;
+    double timeout_s;
+};
+
+static enum status timeout_read(struct arguments *arguments)
+{
+    char *end = NULL;
+    arguments->timeout_s = 60.0;
+    if (!arguments->timeout)
+        return STATUS_OK;
+    arguments->timeout_s = strtod(arguments->timeout, &end);
+    if (end == arguments->timeout || *end != '\0' || !(arguments->timeout_s > 0.0))
+        return status_fail(STATUS_USAGE, "--timeout wants a positive number of seconds, not \"%s\"",
+                           arguments->timeout);
+    return STATUS_OK;
+}
+
+static enum status arguments_read(struct arguments *arguments, int argc, char **argv)
+{
+    const struct command_line_option own[] = {{"out", &arguments->out, NULL},
+                                              {"from", &arguments->from, NULL},
+                                              {"timeout", &arguments->timeout, NULL},
+                                              {NULL, NULL, NULL}};
+    struct command_line *line = &arguments->line;
+    TRY(command_line_parse(line, argc, argv, own));
+    if (line->help || line->version)
+        return STATUS_OK;
+    if (line->n_positional > 0 || line->n_overrides > 0)
+        return status_fail(STATUS_USAGE, "the recorder takes no scene: RUN_INFO carries it (see --help)");
+    if (!arguments->out)
+        return status_fail(STATUS_USAGE, "--out DIR is missing (see --help)");
+    if (!arguments->from && !line->run_id_given)
+        return status_fail(STATUS_USAGE, "--run-id N or --from LOG is missing (see --help)");
+    return timeout_read(arguments);
+}
+
+static void report_drops(const struct recording_drops *drops)
+{
+    if (drops->foreign + drops->malformed + drops->oversized > 0)
+        fprintf(stderr, "recorder: warning: dropped %lld messages of other runs, %lld malformed, %lld oversized\n",
+                (long long)drops->foreign, (long long)drops->malformed, (long long)drops->oversized);
+}
+
+static enum status run(const struct arguments *arguments, struct recording *recording)
+{
+    const struct live_options options = {.lcm_url = arguments->line.lcm_url, .timeout_s = arguments->timeout_s};
+    return arguments->from ? convert_log(recording, arguments->from) : live_record(recording, &options);
+}
+
+static enum status record(const struct arguments *arguments)
+{
+    const struct recording_options options = {.directory = arguments->out,
+                                              .any_run = !arguments->line.run_id_given,
+                                              .run_id = arguments->line.run_id,
+                                              .from_log = arguments->from != NULL};
+    struct recording *recording;
+    enum status status = recording_create(&recording, &options);
+    if (status == STATUS_OK)
+        status = run(arguments, recording);
+    if (status == STATUS_OK) {
+        char summary[1024];
+        recording_summary(recording, summary, sizeof summary);
+        printf("recorder: %s\n", summary);
+    }
+    if (recording)
+        report_drops(recording_drops(recording));
+    recording_free(recording);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct arguments arguments = {0};
+    /* A file-size limit shall be an error like a full disk, not the end of the process. */
+    (void)signal(SIGXFSZ, SIG_IGN);
+    enum status status = signals_install();
+    if (status == STATUS_OK)
+        status = arguments_read(&arguments, argc, argv);
+    if (status == STATUS_OK && arguments.line.help) {
+        fputs(USAGE, stdout);
+        return 0;
+    }
+    if (status == STATUS_OK && arguments.line.version) {
+        puts("recorder " SHAKEDOWN_VERSION);
+        return 0;
+    }
+    if (status == STATUS_OK)
+        status = record(&arguments);
+    return status_report("recorder", status);
+}

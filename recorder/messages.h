@@ -1,0 +1,44 @@
+/* The messages a recorder takes: decoding that survives any bytes, and the checks a message alone allows. */
+#ifndef SHAKEDOWN_RECORDER_MESSAGES_H
+#define SHAKEDOWN_RECORDER_MESSAGES_H
+
+#include <shakedown_end_t.h>
+#include <shakedown_frame_contacts_t.h>
+#include <shakedown_frame_particles_t.h>
+#include <shakedown_particles_t.h>
+#include <shakedown_run_info_t.h>
+#include <shakedown_sample_t.h>
+#include <shakedown_wall_command_t.h>
+#include <shakedown_wall_state_t.h>
+
+#include "common/bus.h"
+
+/* Kinds 0 ... RECORD_CHANNELS-1 are enum record_channel; the coupling's two follow. */
+enum { MESSAGE_WALL_STATE = RECORD_CHANNELS, MESSAGE_WALL_COMMAND, MESSAGE_KINDS };
+
+/* Every type starts with the header. */
+union message {
+    struct {
+        int64_t run_id, seq, step;
+        double time_s;
+    } header;
+    shakedown_run_info_t run_info;
+    shakedown_particles_t particles;
+    shakedown_sample_t sample;
+    shakedown_frame_particles_t frame_particles;
+    shakedown_frame_contacts_t frame_contacts;
+    shakedown_end_t end;
+    shakedown_wall_state_t wall_state;
+    shakedown_wall_command_t wall_command;
+};
+
+/* Name of the channel of a kind, and the kind of a channel (-1: none of ours). */
+const char *message_channel(int kind);
+int message_kind(const char *channel);
+
+/* Decodes `data` [size] as a message of `kind` and checks that its counts agree with each other. On success the caller
+ * releases `message` with message_free; STATUS_FORMAT if the bytes are not such a message (nothing to release). */
+enum status message_decode(int kind, const void *data, size_t size, union message *message) MUST_USE;
+void message_free(int kind, union message *message);
+
+#endif

@@ -1,0 +1,478 @@
+#include "recorder/recording.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/scene.h"
+#include "recorder/backlog.h"
+#include "recorder/event_log.h"
+#include "recorder/xdmf.h"
+
+enum { WARNINGS_MAX = 5 };
+
+struct recording {
+    char path[PATH_MAX]; /* run.h5 */
+    char log_path[PATH_MAX];
+    char xdmf_path[PATH_MAX];
+    bool any_run, from_log;
+    int64_t run_id;
+
+    bool has_run;
+    struct run_facts facts;
+    bool wants_walls;
+    int64_t next_seq[RECORD_CHANNELS];
+    int64_t last_step;
+    double last_time_s;
+    struct particle_set particles;
+    struct particle_frame particle_frame;
+    struct contact_frame contact_frame;
+    int64_t next_wall_step[2]; /* states, commands: smallest step not seen */
+    int64_t wall_total[2];
+    struct backlog backlog; /* wall messages before RUN_INFO says whether they are wanted */
+    shakedown_end_t *end;   /* the last END, whether it matched or not */
+    bool end_matches, finished, complete;
+
+    struct run_writer *writer;
+    struct event_writer *log;
+    struct xdmf xdmf;
+    struct run_counts counts; /* at the end */
+    struct recording_drops drops;
+    int warnings;
+};
+
+static enum status make_path(char path[PATH_MAX], const char *directory, const char *name)
+{
+    int length = snprintf(path, PATH_MAX, "%s/%s", directory, name);
+    return length < PATH_MAX ? STATUS_OK : status_fail(STATUS_IO, "the path %s is too long", directory);
+}
+
+/* Makes `directory` and those above it. */
+static enum status directory_make(const char *directory)
+{
+    char path[PATH_MAX];
+    TRY(make_path(path, directory, ""));
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        if (mkdir(path, 0777) != 0 && errno != EEXIST)
+            return status_fail(STATUS_IO, "cannot make the directory %s: %s", path, strerror(errno));
+        *slash = '/';
+    }
+    if (access(directory, W_OK | X_OK) != 0)
+        return status_fail(STATUS_IO, "cannot write into %s: %s", directory, strerror(errno));
+    return STATUS_OK;
+}
+
+static enum status refuse_existing(const char *path)
+{
+    if (access(path, F_OK) == 0)
+        return status_fail(STATUS_IO, "%s exists; a run is never overwritten: take another directory or remove it",
+                           path);
+    return STATUS_OK;
+}
+
+enum status recording_create(struct recording **result, const struct recording_options *options)
+{
+    struct recording *recording = *result = calloc(1, sizeof *recording);
+    if (!recording)
+        return status_fail(STATUS_NO_MEMORY, "no memory for the recording");
+    recording->any_run = options->any_run;
+    recording->run_id = options->run_id;
+    recording->from_log = options->from_log;
+    TRY(make_path(recording->path, options->directory, "run.h5"));
+    TRY(make_path(recording->log_path, options->directory, "run.lcm"));
+    TRY(make_path(recording->xdmf_path, options->directory, "run.xdmf"));
+    TRY(directory_make(options->directory));
+    TRY(refuse_existing(recording->path));
+    return options->from_log ? STATUS_OK : refuse_existing(recording->log_path);
+}
+
+/* Counts a message that cannot be used, and says so the first few times: it is a sign of a mistake. */
+static void drop_malformed(struct recording *recording)
+{
+    recording->drops.malformed++;
+    if (recording->warnings++ < WARNINGS_MAX)
+        fprintf(stderr, "recorder: warning: dropped a message: %s\n", status_message());
+}
+
+static enum status log_message(struct recording *recording, int kind, const void *data, size_t size)
+{
+    if (!recording->log)
+        return STATUS_OK;
+    return event_writer_add(recording->log, message_channel(kind), data, size);
+}
+
+/* A wall message of this run: keeps it if its step is new. */
+static enum status take_wall(struct recording *recording, int kind, const union message *message, const void *data,
+                             size_t size)
+{
+    int which = kind - MESSAGE_WALL_STATE;
+    int n_walls = kind == MESSAGE_WALL_STATE ? message->wall_state.n_walls : message->wall_command.n_walls;
+    if (!recording->wants_walls)
+        return STATUS_OK;
+    if (n_walls != recording->facts.n_walls) {
+        (void)status_fail(STATUS_FORMAT, "%s: %d walls in a run of %d", message_channel(kind), n_walls,
+                          recording->facts.n_walls);
+        drop_malformed(recording);
+        return STATUS_OK;
+    }
+    if (message->header.step < recording->next_wall_step[which]) {
+        recording->drops.repeated++;
+        return STATUS_OK;
+    }
+    TRY(kind == MESSAGE_WALL_STATE ? run_writer_wall_state(recording->writer, &message->wall_state)
+                                   : run_writer_wall_command(recording->writer, &message->wall_command));
+    recording->next_wall_step[which] = message->header.step + 1;
+    recording->wall_total[which]++;
+    return log_message(recording, kind, data, size);
+}
+
+/* What came before RUN_INFO. */
+static enum status backlog_take(struct recording *recording)
+{
+    struct backlog_item item;
+    for (size_t at = 0; backlog_next(&recording->backlog, &at, &item);) {
+        enum recording_answer answer;
+        TRY(recording_take(recording, item.kind, item.data, item.size, &answer));
+    }
+    backlog_free(&recording->backlog);
+    return STATUS_OK;
+}
+
+/* Reads from the effective configuration what it says to the recorder. STATUS_FORMAT if it cannot be read. */
+static enum status record_settings_read(const shakedown_run_info_t *info, struct scene_record *record)
+{
+    struct scene *scene = calloc(1, sizeof *scene);
+    if (!scene)
+        return status_fail(STATUS_NO_MEMORY, "no memory for the scene");
+    enum status status = scene_parse(scene, info->effective_config, "RUN_INFO");
+    *record = scene->record;
+    if (status == STATUS_OK && scene->dimension != info->dimension)
+        status = status_fail(STATUS_FORMAT, "RUN_INFO: its configuration has another dimension");
+    scene_free(scene);
+    free(scene);
+    return status == STATUS_CONFIG ? STATUS_FORMAT : status;
+}
+
+static enum status take_run_info(struct recording *recording, const shakedown_run_info_t *info)
+{
+    struct scene_record record;
+    TRY(record_settings_read(info, &record));
+    recording->run_id = info->run_id;
+    recording->facts = (struct run_facts){.dimension = info->dimension,
+                                          .n_particles = info->n_particles,
+                                          .n_walls = 2 * info->dimension,
+                                          .frictional = info->frictional != 0};
+    recording->wants_walls = record.walls == RECORD_WALLS_FULL;
+    TRY(particle_set_init(&recording->particles, &recording->facts));
+    TRY(particle_frame_init(&recording->particle_frame, &recording->facts));
+    TRY(run_writer_create(&recording->writer, recording->path, info, recording->wants_walls));
+    if (record.event_log && !recording->from_log)
+        TRY(event_writer_create(&recording->log, recording->log_path));
+    recording->has_run = true;
+    return STATUS_OK;
+}
+
+static enum status take_particles(struct recording *recording, const shakedown_particles_t *chunk)
+{
+    TRY(particle_set_add(&recording->particles, &recording->facts, chunk));
+    if (!particle_set_is_complete(&recording->particles))
+        return STATUS_OK;
+    return run_writer_particles(recording->writer, &recording->particles);
+}
+
+static enum status take_sample(struct recording *recording, const shakedown_sample_t *sample)
+{
+    if (sample->dimension != recording->facts.dimension)
+        return status_fail(STATUS_FORMAT, "SAMPLE: its dimension is not the run's");
+    return run_writer_sample(recording->writer, sample);
+}
+
+static enum status take_frame_particles(struct recording *recording, const shakedown_frame_particles_t *chunk)
+{
+    bool full;
+    TRY(particle_frame_add(&recording->particle_frame, &recording->facts, chunk, &full));
+    if (!full)
+        return STATUS_OK;
+    TRY(run_writer_particle_frame(recording->writer, &recording->particle_frame));
+    TRY(xdmf_frame_add(&recording->xdmf, chunk->time_s));
+    frame_place_next(&recording->particle_frame.place);
+    return STATUS_OK;
+}
+
+static enum status take_frame_contacts(struct recording *recording, const shakedown_frame_contacts_t *chunk)
+{
+    bool full;
+    TRY(contact_frame_add(&recording->contact_frame, &recording->facts, chunk, &full));
+    if (!full)
+        return STATUS_OK;
+    TRY(run_writer_contact_frame(recording->writer, &recording->contact_frame));
+    frame_place_next(&recording->contact_frame.place);
+    return STATUS_OK;
+}
+
+/* Hands a record that is next to its taker. STATUS_FORMAT: it does not fit, and nothing was changed. */
+static enum status take_record(struct recording *recording, int kind, const union message *message)
+{
+    switch (kind) {
+    case RECORD_RUN_INFO:
+        return take_run_info(recording, &message->run_info);
+    case RECORD_PARTICLES:
+        return take_particles(recording, &message->particles);
+    case RECORD_SAMPLE:
+        return take_sample(recording, &message->sample);
+    case RECORD_FRAME_PARTICLES:
+        return take_frame_particles(recording, &message->frame_particles);
+    case RECORD_FRAME_CONTACTS:
+        return take_frame_contacts(recording, &message->frame_contacts);
+    default:
+        return STATUS_OK; /* END: all that matters was checked before */
+    }
+}
+
+/* Whether everything that END counts is here (END itself is the one that is being taken). */
+static bool totals_match(const struct recording *recording, const shakedown_end_t *end)
+{
+    for (int c = 0; c < RECORD_CHANNELS; c++) {
+        if (end->total[c] != recording->next_seq[c] + (c == RECORD_END))
+            return false;
+    }
+    if (!particle_set_is_complete(&recording->particles) || recording->particle_frame.place.next_chunk != 0 ||
+        recording->contact_frame.place.next_chunk != 0)
+        return false;
+    return !recording->wants_walls ||
+           (end->wall_states == recording->wall_total[0] && end->wall_commands == recording->wall_total[1]);
+}
+
+static enum status keep_end(struct recording *recording, const shakedown_end_t *end)
+{
+    shakedown_end_t *copy = shakedown_end_t_copy(end);
+    if (!copy)
+        return status_fail(STATUS_NO_MEMORY, "no memory for END");
+    if (recording->end)
+        shakedown_end_t_destroy(recording->end);
+    recording->end = copy;
+    recording->end_matches = totals_match(recording, end);
+    return STATUS_OK;
+}
+
+/* Whether what a record builds on is here. The channels are numbered each for itself, so that after a loss a frame can
+ * come before the particles. END is taken when all it counts is, and is then the last record of an event log too. */
+static enum status is_ready(struct recording *recording, int kind, const union message *message, bool *ready)
+{
+    *ready = kind == RECORD_RUN_INFO || recording->has_run;
+    if (*ready && (kind == RECORD_FRAME_PARTICLES || kind == RECORD_FRAME_CONTACTS))
+        *ready = particle_set_is_complete(&recording->particles);
+    if (*ready && kind == RECORD_END) {
+        TRY(keep_end(recording, &message->end));
+        *ready = recording->end_matches;
+    }
+    return STATUS_OK;
+}
+
+/* A record of this run that is next on its channel. */
+static enum status take_next(struct recording *recording, int kind, const union message *message, const void *data,
+                             size_t size, enum recording_answer *answer)
+{
+    bool ready;
+    TRY(is_ready(recording, kind, message, &ready));
+    if (!ready) {
+        recording->drops.early++;
+        *answer = ANSWER_NOW;
+        return STATUS_OK;
+    }
+    enum status status = take_record(recording, kind, message);
+    if (status == STATUS_FORMAT) {
+        drop_malformed(recording);
+        return STATUS_OK;
+    }
+    TRY(status);
+    TRY(log_message(recording, kind, data, size));
+    recording->next_seq[kind]++;
+    recording->last_step = message->header.step;
+    recording->last_time_s = message->header.time_s;
+    *answer = kind == RECORD_RUN_INFO || kind == RECORD_END ? ANSWER_NOW : ANSWER_SOON;
+    return kind == RECORD_RUN_INFO ? backlog_take(recording) : STATUS_OK;
+}
+
+static bool is_foreign(const struct recording *recording, int kind, const union message *message)
+{
+    if (recording->any_run && !recording->has_run)
+        return kind != RECORD_RUN_INFO && kind < RECORD_CHANNELS;
+    return message->header.run_id != recording->run_id;
+}
+
+static enum status take_message(struct recording *recording, int kind, const union message *message, const void *data,
+                                size_t size, enum recording_answer *answer)
+{
+    if (is_foreign(recording, kind, message)) {
+        recording->drops.foreign++;
+        return STATUS_OK;
+    }
+    if (kind >= RECORD_CHANNELS) {
+        *answer = ANSWER_NONE;
+        return recording->has_run ? take_wall(recording, kind, message, data, size)
+                                  : backlog_add(&recording->backlog, kind, data, size);
+    }
+    if (message->header.seq == recording->next_seq[kind])
+        return take_next(recording, kind, message, data, size, answer);
+    if (message->header.seq < recording->next_seq[kind])
+        recording->drops.repeated++;
+    else
+        recording->drops.early++;
+    *answer = ANSWER_NOW;
+    return STATUS_OK;
+}
+
+enum status recording_take(struct recording *recording, int kind, const void *data, size_t size,
+                           enum recording_answer *answer)
+{
+    union message message;
+    *answer = ANSWER_NONE;
+    if (size > BUS_MESSAGE_MAX) {
+        recording->drops.oversized++;
+        return STATUS_OK;
+    }
+    if (recording->has_run && kind >= RECORD_CHANNELS && !recording->wants_walls)
+        return STATUS_OK;
+    if (message_decode(kind, data, size, &message) != STATUS_OK) {
+        drop_malformed(recording);
+        return STATUS_OK;
+    }
+    enum status status = take_message(recording, kind, &message, data, size, answer);
+    message_free(kind, &message);
+    return status;
+}
+
+enum status recording_flush(struct recording *recording)
+{
+    if (!recording->has_run || recording->finished)
+        return STATUS_OK;
+    TRY(run_writer_flush(recording->writer));
+    return recording->log ? event_writer_flush(recording->log) : STATUS_OK;
+}
+
+void recording_ack(const struct recording *recording, int64_t next_seq[RECORD_CHANNELS], shakedown_record_ack_t *ack)
+{
+    memcpy(next_seq, recording->next_seq, sizeof recording->next_seq);
+    ack->run_id = recording->run_id;
+    ack->step = recording->last_step;
+    ack->time_s = recording->last_time_s;
+    ack->n_channels = RECORD_CHANNELS;
+    ack->next_seq = next_seq;
+    ack->complete = recording->complete;
+}
+
+bool recording_has_run(const struct recording *recording)
+{
+    return recording->has_run;
+}
+
+bool recording_wants_walls(const struct recording *recording)
+{
+    return recording->wants_walls;
+}
+
+bool recording_end_matches(const struct recording *recording)
+{
+    return recording->end_matches;
+}
+
+bool recording_is_complete(const struct recording *recording)
+{
+    return recording->complete;
+}
+
+const struct recording_drops *recording_drops(const struct recording *recording)
+{
+    return &recording->drops;
+}
+
+/* Says which totals differ. */
+static enum status incomplete(const struct recording *recording)
+{
+    char text[512] = "";
+    size_t used = 0;
+    const shakedown_end_t *end = recording->end;
+    if (!recording->has_run)
+        return status_fail(STATUS_INCOMPLETE, "no RUN_INFO came: nothing was recorded");
+    if (!end)
+        return status_fail(STATUS_INCOMPLETE, "%s: END is missing", recording->path);
+    for (int c = 0; c < RECORD_END && used < sizeof text; c++) {
+        if (end->total[c] != recording->next_seq[c])
+            used += (size_t)snprintf(text + used, sizeof text - used, " %s %" PRId64 " of %" PRId64,
+                                     record_channel_name[c], recording->next_seq[c], end->total[c]);
+    }
+    const int64_t sent[] = {end->wall_states, end->wall_commands};
+    for (int k = 0; k < 2 && recording->wants_walls && used < sizeof text; k++) {
+        if (sent[k] != recording->wall_total[k])
+            used += (size_t)snprintf(text + used, sizeof text - used, " %s %" PRId64 " of %" PRId64,
+                                     message_channel(MESSAGE_WALL_STATE + k), recording->wall_total[k], sent[k]);
+    }
+    return status_fail(STATUS_INCOMPLETE, "%s: messages are missing:%s", recording->path,
+                       text[0] ? text : " chunks of a frame");
+}
+
+static void keep(enum status *first, enum status status)
+{
+    if (*first == STATUS_OK)
+        *first = status;
+}
+
+static enum status files_close(struct recording *recording, bool complete)
+{
+    enum status status = STATUS_OK;
+    if (recording->has_run && recording->end)
+        keep(&status, run_writer_end(recording->writer, recording->end));
+    if (recording->has_run)
+        recording->counts = run_writer_counts(recording->writer);
+    /* The log and the picture file first: `complete` says that all of it is there. */
+    keep(&status, event_writer_close(recording->log));
+    if (recording->has_run)
+        keep(&status, xdmf_write(&recording->xdmf, &recording->facts, recording->xdmf_path));
+    keep(&status, run_writer_close(recording->writer, complete && status == STATUS_OK));
+    recording->writer = NULL;
+    recording->log = NULL;
+    return status;
+}
+
+enum status recording_finish(struct recording *recording)
+{
+    if (recording->finished)
+        return recording->complete ? STATUS_OK : incomplete(recording);
+    recording->finished = true;
+    TRY(files_close(recording, recording->end_matches));
+    recording->complete = recording->end_matches;
+    return recording->complete ? STATUS_OK : incomplete(recording);
+}
+
+void recording_summary(const struct recording *recording, char *text, size_t size)
+{
+    struct stat file;
+    double bytes = stat(recording->path, &file) == 0 ? (double)file.st_size : 0.0;
+    int used =
+        snprintf(text, size, "%s %s: %" PRId64 " samples, %" PRId64 " frames", recording->path,
+                 recording->complete ? "complete" : "incomplete", recording->counts.samples, recording->counts.frames);
+    if (recording->wants_walls && used > 0 && (size_t)used < size)
+        used += snprintf(text + used, size - (size_t)used, ", %" PRId64 " wall states", recording->counts.wall_states);
+    if (used > 0 && (size_t)used < size)
+        snprintf(text + used, size - (size_t)used, ", %.1f MB", 1e-6 * bytes);
+}
+
+void recording_free(struct recording *recording)
+{
+    if (!recording)
+        return;
+    backlog_free(&recording->backlog);
+    particle_set_free(&recording->particles);
+    particle_frame_free(&recording->particle_frame);
+    contact_frame_free(&recording->contact_frame);
+    xdmf_free(&recording->xdmf);
+    if (recording->end)
+        shakedown_end_t_destroy(recording->end);
+    free(recording);
+}

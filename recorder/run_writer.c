@@ -1,0 +1,453 @@
+#include "recorder/run_writer.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "recorder/h5.h"
+#include "recorder/table.h"
+
+/* Wall rows come at up to 20 kHz: compressed fast, in whole chunks. Sample rows are few and are wanted after a kill. */
+enum { SAMPLE_BLOCK = 256, WALL_BLOCK = 1024, CONTACT_BLOCK = 4096, FRAME_BLOCK = 64 };
+enum { WALL_DEFLATE = 1, FRAME_DEFLATE = 4, FRAME_CHUNK_PARTICLES = 16384 };
+
+#define TRAJECTORY  "/particles/trajectory"
+#define OBSERVABLES "/observables"
+#define CONTACTS    "/connectivity/contacts"
+
+/* Series other than tables, with one row per frame or per contact. */
+enum series_id {
+    SERIES_STEP,
+    SERIES_TIME,
+    SERIES_STAGE,
+    SERIES_EDGES,
+    SERIES_ORIGIN,
+    SERIES_POSITION,
+    SERIES_VELOCITY,
+    SERIES_ANGULAR_VELOCITY,
+    SERIES_CONTACT_STEP,
+    SERIES_CONTACT_TIME,
+    SERIES_CONTACT_OFFSET,
+    SERIES_CONTACT_PAIR,
+    SERIES_CONTACT_OVERLAP,
+    SERIES_CONTACT_NORMAL_FORCE,
+    SERIES_CONTACT_NORMAL,
+    SERIES_CONTACT_TANGENTIAL_FORCE,
+    SERIES_CONTACT_SLIDING,
+    N_SERIES
+};
+
+enum series_type { TYPE_I8, TYPE_I32, TYPE_I64, TYPE_F64 };
+enum series_shape { PER_FRAME, PER_PARTICLE /* [F][N][3] */, PER_CONTACT };
+
+static const struct {
+    const char *path;
+    const char *unit;
+    enum series_type type;
+    enum series_shape shape;
+    hsize_t width; /* 0: [F] or [C], else [F][width] or [C][width] */
+    bool only_with_friction;
+} series_table[N_SERIES] = {
+    [SERIES_STEP] = {TRAJECTORY "/position/step", "1", TYPE_I64, PER_FRAME, 0, false},
+    [SERIES_TIME] = {TRAJECTORY "/position/time", "s", TYPE_F64, PER_FRAME, 0, false},
+    [SERIES_STAGE] = {"/frames/stage", "1", TYPE_I32, PER_FRAME, 0, false},
+    [SERIES_EDGES] = {TRAJECTORY "/box/edges/value", "m", TYPE_F64, PER_FRAME, 3, false},
+    [SERIES_ORIGIN] = {"/frames/box_lo", "m", TYPE_F64, PER_FRAME, 3, false},
+    [SERIES_POSITION] = {TRAJECTORY "/position/value", "m", TYPE_F64, PER_PARTICLE, 3, false},
+    [SERIES_VELOCITY] = {TRAJECTORY "/velocity/value", "m/s", TYPE_F64, PER_PARTICLE, 3, false},
+    [SERIES_ANGULAR_VELOCITY] = {TRAJECTORY "/angular_velocity/value", "rad/s", TYPE_F64, PER_PARTICLE, 3, true},
+    [SERIES_CONTACT_STEP] = {CONTACTS "/step", "1", TYPE_I64, PER_FRAME, 0, false},
+    [SERIES_CONTACT_TIME] = {CONTACTS "/time", "s", TYPE_F64, PER_FRAME, 0, false},
+    [SERIES_CONTACT_OFFSET] = {CONTACTS "/offset", "1", TYPE_I64, PER_FRAME, 0, false},
+    [SERIES_CONTACT_PAIR] = {CONTACTS "/pair", "1", TYPE_I32, PER_CONTACT, 2, false},
+    [SERIES_CONTACT_OVERLAP] = {CONTACTS "/overlap", "m", TYPE_F64, PER_CONTACT, 0, false},
+    [SERIES_CONTACT_NORMAL_FORCE] = {CONTACTS "/normal_force", "N", TYPE_F64, PER_CONTACT, 0, false},
+    [SERIES_CONTACT_NORMAL] = {CONTACTS "/normal", "1", TYPE_F64, PER_CONTACT, 3, false},
+    [SERIES_CONTACT_TANGENTIAL_FORCE] = {CONTACTS "/tangential_force", "N", TYPE_F64, PER_CONTACT, 3, true},
+    [SERIES_CONTACT_SLIDING] = {CONTACTS "/sliding", "1", TYPE_I8, PER_CONTACT, 0, true},
+};
+
+/* Second names: H5MD wants step and time beside every value. */
+static const struct {
+    const char *target, *name;
+    bool only_with_friction;
+} frame_links[] = {
+    {TRAJECTORY "/position/step", TRAJECTORY "/velocity/step", false},
+    {TRAJECTORY "/position/time", TRAJECTORY "/velocity/time", false},
+    {TRAJECTORY "/position/step", TRAJECTORY "/box/edges/step", false},
+    {TRAJECTORY "/position/time", TRAJECTORY "/box/edges/time", false},
+    {TRAJECTORY "/position/step", "/frames/step", false},
+    {TRAJECTORY "/position/time", "/frames/time", false},
+    {TRAJECTORY "/position/step", TRAJECTORY "/angular_velocity/step", true},
+    {TRAJECTORY "/position/time", TRAJECTORY "/angular_velocity/time", true},
+};
+
+struct run_writer {
+    hid_t file;
+    bool failed; /* a write failed: close, but write nothing more */
+    struct run_facts facts;
+    double radius_max_m;
+    struct h5_series series[N_SERIES];
+    struct table *samples;
+    struct table *wall_states, *wall_commands; /* NULL: not recorded */
+    int64_t contacts;
+};
+
+/* Remembers that the file is not to be trusted with more. */
+static enum status note(struct run_writer *writer, enum status status)
+{
+    writer->failed |= status != STATUS_OK;
+    return status;
+}
+
+static hid_t series_memory_type(enum series_type type)
+{
+    const hid_t types[] = {[TYPE_I8] = H5T_NATIVE_INT8,
+                           [TYPE_I32] = H5T_NATIVE_INT32,
+                           [TYPE_I64] = H5T_NATIVE_INT64,
+                           [TYPE_F64] = H5T_NATIVE_DOUBLE};
+    return types[type];
+}
+
+static enum status series_open(struct run_writer *writer, enum series_id id)
+{
+    hsize_t n = (hsize_t)writer->facts.n_particles, width = series_table[id].width;
+    hsize_t row[H5_RANK_MAX - 1] = {width};
+    struct h5_layout layout = {.chunk = {FRAME_BLOCK, width}};
+    int rank = width > 0 ? 2 : 1;
+    if (series_table[id].shape == PER_CONTACT)
+        layout.chunk[0] = CONTACT_BLOCK;
+    if (series_table[id].shape == PER_PARTICLE) {
+        rank = 3;
+        row[0] = n;
+        row[1] = 3;
+        hsize_t particles = n < FRAME_CHUNK_PARTICLES ? n : FRAME_CHUNK_PARTICLES;
+        layout = (struct h5_layout){.chunk = {1, particles, 3}, .deflate = FRAME_DEFLATE};
+    }
+    return h5_series_create(writer->file, series_table[id].path, series_memory_type(series_table[id].type), rank, row,
+                            &layout, series_table[id].unit, &writer->series[id]);
+}
+
+static enum status frames_create(struct run_writer *writer)
+{
+    const int64_t zero = 0;
+    bool frictional = writer->facts.frictional;
+    for (int id = 0; id < N_SERIES; id++) {
+        if (frictional || !series_table[id].only_with_friction)
+            TRY(series_open(writer, (enum series_id)id));
+    }
+    for (size_t k = 0; k < sizeof frame_links / sizeof *frame_links; k++) {
+        if (frictional || !frame_links[k].only_with_friction)
+            TRY(h5_link(writer->file, frame_links[k].target, frame_links[k].name));
+    }
+    return h5_series_append(&writer->series[SERIES_CONTACT_OFFSET], 1, &zero);
+}
+
+static enum status box_create(hid_t file)
+{
+    static const char *const boundary[] = {"none", "none", "none"};
+    const int32_t dimension = 3;
+    TRY(h5_attribute_numbers(file, TRAJECTORY "/box", "dimension", H5T_NATIVE_INT32, 0, &dimension));
+    return h5_attribute_texts(file, TRAJECTORY "/box", "boundary", boundary, 3);
+}
+
+static enum status h5md_create(hid_t file)
+{
+    const int32_t version[] = {1, 1};
+    const char *user = getenv("USER");
+    TRY(h5_group_create(file, "/h5md/author"));
+    TRY(h5_group_create(file, "/h5md/creator"));
+    TRY(h5_attribute_numbers(file, "/h5md", "version", H5T_NATIVE_INT32, 2, version));
+    TRY(h5_attribute_text(file, "/h5md/author", "name", user ? user : "unknown"));
+    TRY(h5_attribute_text(file, "/h5md/creator", "name", "shakedown"));
+    return h5_attribute_text(file, "/h5md/creator", "version", SHAKEDOWN_VERSION);
+}
+
+static enum status parameters_write(hid_t file, const shakedown_run_info_t *info)
+{
+    const struct {
+        const char *name, *text;
+    } texts[] = {{"name", info->name},
+                 {"version", info->version},
+                 {"kernel_set", info->kernel_set},
+                 {"scene_text", info->scene_text},
+                 {"effective_config", info->effective_config}};
+    const struct {
+        const char *name;
+        int64_t value;
+    } numbers[] = {{"run_id", info->run_id},           {"seed", info->seed},         {"dimension", info->dimension},
+                   {"n_particles", info->n_particles}, {"n_stages", info->n_stages}, {"frictional", info->frictional},
+                   {"hysteretic", info->hysteretic}};
+    TRY(h5_group_create(file, "/parameters"));
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++)
+        TRY(h5_attribute_text(file, "/parameters", texts[k].name, texts[k].text));
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+        TRY(h5_attribute_numbers(file, "/parameters", numbers[k].name, H5T_NATIVE_INT64, 0, &numbers[k].value));
+    return STATUS_OK;
+}
+
+static enum status complete_write(hid_t file, int32_t complete)
+{
+    return h5_attribute_numbers(file, "/", "complete", H5T_NATIVE_INT32, 0, &complete);
+}
+
+/* H5MD's observables: a group per field; step and time are those of the stage, and have a second name in every group.
+ */
+static void sample_path(const char *field_name, char path[TABLE_PATH_MAX])
+{
+    if (strcmp(field_name, "step") == 0)
+        snprintf(path, TABLE_PATH_MAX, OBSERVABLES "/stage/step");
+    else if (strcmp(field_name, "time_s") == 0)
+        snprintf(path, TABLE_PATH_MAX, OBSERVABLES "/stage/time");
+    else
+        snprintf(path, TABLE_PATH_MAX, OBSERVABLES "/%s/value", field_name);
+}
+
+static void wall_state_path(const char *field_name, char path[TABLE_PATH_MAX])
+{
+    snprintf(path, TABLE_PATH_MAX, "/walls/state/%s", field_name);
+}
+
+static void wall_command_path(const char *field_name, char path[TABLE_PATH_MAX])
+{
+    snprintf(path, TABLE_PATH_MAX, "/walls/command/%s", field_name);
+}
+
+static enum status sample_links_create(hid_t file, const char *field_name)
+{
+    char path[TABLE_PATH_MAX];
+    snprintf(path, sizeof path, OBSERVABLES "/%s/step", field_name);
+    TRY(h5_link(file, OBSERVABLES "/stage/step", path));
+    snprintf(path, sizeof path, OBSERVABLES "/%s/time", field_name);
+    return h5_link(file, OBSERVABLES "/stage/time", path);
+}
+
+static enum status samples_create(struct run_writer *writer)
+{
+    const struct table_options options = {
+        .fields = sample_fields, .dimension = writer->facts.dimension, .block = SAMPLE_BLOCK, .path = sample_path};
+    TRY(table_create(&writer->samples, writer->file, &options));
+    for (const struct field *field = sample_fields; field->name; field++) {
+        bool is_own =
+            strcmp(field->name, "step") == 0 || strcmp(field->name, "time_s") == 0 || strcmp(field->name, "stage") == 0;
+        if (!is_own)
+            TRY(sample_links_create(writer->file, field->name));
+    }
+    return STATUS_OK;
+}
+
+static enum status walls_create(struct run_writer *writer)
+{
+    struct table_options options = {.fields = wall_state_fields,
+                                    .dimension = writer->facts.dimension,
+                                    .block = WALL_BLOCK,
+                                    .deflate = WALL_DEFLATE,
+                                    .path = wall_state_path};
+    TRY(table_create(&writer->wall_states, writer->file, &options));
+    options.fields = wall_command_fields;
+    options.path = wall_command_path;
+    return table_create(&writer->wall_commands, writer->file, &options);
+}
+
+static enum status contents_create(struct run_writer *writer, const shakedown_run_info_t *info, bool walls)
+{
+    TRY(h5md_create(writer->file));
+    TRY(parameters_write(writer->file, info));
+    TRY(complete_write(writer->file, 0));
+    TRY(frames_create(writer));
+    TRY(box_create(writer->file));
+    TRY(samples_create(writer));
+    if (walls)
+        TRY(walls_create(writer));
+    return h5_file_flush(writer->file);
+}
+
+enum status run_writer_create(struct run_writer **result, const char *path, const shakedown_run_info_t *info,
+                              bool walls)
+{
+    struct run_writer *writer = *result = calloc(1, sizeof *writer);
+    if (!writer)
+        return status_fail(STATUS_NO_MEMORY, "no memory for the writer");
+    writer->facts = (struct run_facts){info->dimension, info->n_particles, 2 * info->dimension, info->frictional != 0};
+    for (int id = 0; id < N_SERIES; id++)
+        writer->series[id].id = H5I_INVALID_HID;
+    TRY(note(writer, h5_file_create(path, &writer->file)));
+    return note(writer, contents_create(writer, info, walls));
+}
+
+static enum status particles_write(struct run_writer *writer, const struct particle_set *set, int32_t *ids)
+{
+    hsize_t n = (hsize_t)writer->facts.n_particles;
+    for (int32_t k = 0; k < writer->facts.n_particles; k++)
+        ids[k] = k;
+    TRY(h5_vector_write(writer->file, TRAJECTORY "/radius", H5T_NATIVE_DOUBLE, n, set->radius_m, "m"));
+    TRY(h5_vector_write(writer->file, TRAJECTORY "/mass", H5T_NATIVE_DOUBLE, n, set->mass_kg, "kg"));
+    return h5_vector_write(writer->file, TRAJECTORY "/id", H5T_NATIVE_INT32, n, ids, "1");
+}
+
+enum status run_writer_particles(struct run_writer *writer, const struct particle_set *set)
+{
+    int32_t *ids = malloc((size_t)writer->facts.n_particles * sizeof *ids);
+    if (!ids)
+        return status_fail(STATUS_NO_MEMORY, "no memory for %d ids", writer->facts.n_particles);
+    writer->radius_max_m = set->radius_max_m;
+    enum status status = note(writer, particles_write(writer, set, ids));
+    free(ids);
+    return status;
+}
+
+enum status run_writer_sample(struct run_writer *writer, const shakedown_sample_t *sample)
+{
+    return note(writer, table_append(writer->samples, sample));
+}
+
+enum status run_writer_wall_state(struct run_writer *writer, const shakedown_wall_state_t *state)
+{
+    return note(writer, table_append(writer->wall_states, state));
+}
+
+enum status run_writer_wall_command(struct run_writer *writer, const shakedown_wall_command_t *command)
+{
+    return note(writer, table_append(writer->wall_commands, command));
+}
+
+/* One row to each series; data NULL: that series is not in this run. Ends at N_SERIES. */
+struct row {
+    enum series_id id;
+    const void *data;
+};
+
+static enum status rows_append(struct run_writer *writer, const struct row *rows, hsize_t count)
+{
+    for (; rows->id != N_SERIES; rows++) {
+        if (writer->series[rows->id].id >= 0)
+            TRY(h5_series_append(&writer->series[rows->id], count, rows->data));
+    }
+    return STATUS_OK;
+}
+
+enum status run_writer_particle_frame(struct run_writer *writer, const struct particle_frame *frame)
+{
+    double lo_m[3], edges_m[3];
+    for (int axis = 0; axis < 3; axis++) {
+        lo_m[axis] = frame->box_lo_m[axis];
+        edges_m[axis] = frame->box_hi_m[axis] - frame->box_lo_m[axis];
+    }
+    if (writer->facts.dimension == 2) { /* one layer of discs seen as spheres */
+        lo_m[1] = -writer->radius_max_m;
+        edges_m[1] = 2.0 * writer->radius_max_m;
+    }
+    const int32_t stage = frame->stage;
+    /* step last: a frame counts when its step is there */
+    const struct row rows[] = {{SERIES_POSITION, frame->position_m},
+                               {SERIES_VELOCITY, frame->velocity_m_per_s},
+                               {SERIES_ANGULAR_VELOCITY, frame->angular_velocity_rad_per_s},
+                               {SERIES_EDGES, edges_m},
+                               {SERIES_ORIGIN, lo_m},
+                               {SERIES_STAGE, &stage},
+                               {SERIES_TIME, &frame->place.time_s},
+                               {SERIES_STEP, &frame->place.step},
+                               {N_SERIES, NULL}};
+    return note(writer, rows_append(writer, rows, 1));
+}
+
+enum status run_writer_contact_frame(struct run_writer *writer, const struct contact_frame *frame)
+{
+    const int64_t offset = writer->contacts + frame->count;
+    const struct row contacts[] = {{SERIES_CONTACT_PAIR, frame->pair},
+                                   {SERIES_CONTACT_OVERLAP, frame->overlap_m},
+                                   {SERIES_CONTACT_NORMAL_FORCE, frame->normal_force_n},
+                                   {SERIES_CONTACT_NORMAL, frame->normal},
+                                   {SERIES_CONTACT_TANGENTIAL_FORCE, frame->tangential_force_n},
+                                   {SERIES_CONTACT_SLIDING, frame->sliding},
+                                   {N_SERIES, NULL}};
+    const struct row place[] = {{SERIES_CONTACT_TIME, &frame->place.time_s},
+                                {SERIES_CONTACT_STEP, &frame->place.step},
+                                {SERIES_CONTACT_OFFSET, &offset},
+                                {N_SERIES, NULL}};
+    TRY(note(writer, rows_append(writer, contacts, (hsize_t)frame->count)));
+    TRY(note(writer, rows_append(writer, place, 1)));
+    writer->contacts = offset;
+    return STATUS_OK;
+}
+
+static enum status tables_flush(struct run_writer *writer, bool last)
+{
+    struct table *tables[] = {writer->samples, writer->wall_states, writer->wall_commands};
+    for (int k = 0; k < 3; k++) {
+        if (tables[k])
+            TRY(table_flush(tables[k], last));
+    }
+    return h5_file_flush(writer->file);
+}
+
+enum status run_writer_flush(struct run_writer *writer)
+{
+    return note(writer, tables_flush(writer, false));
+}
+
+static enum status end_write(hid_t file, const shakedown_end_t *end)
+{
+    const int32_t status = end->status;
+    const struct {
+        const char *name;
+        int64_t value;
+    } numbers[] = {{"state_hash", end->state_hash},
+                   {"wall_states", end->wall_states},
+                   {"wall_commands", end->wall_commands},
+                   {"commands_repeated", end->commands_repeated},
+                   {"records_repeated", end->records_repeated}};
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+        TRY(h5_attribute_numbers(file, "/", numbers[k].name, H5T_NATIVE_INT64, 0, &numbers[k].value));
+    TRY(h5_attribute_numbers(file, "/", "status", H5T_NATIVE_INT32, 0, &status));
+    TRY(h5_attribute_numbers(file, "/", "elapsed_s", H5T_NATIVE_DOUBLE, 0, &end->elapsed_s));
+    TRY(h5_attribute_text(file, "/", "reason", end->reason));
+    TRY(h5_attribute_texts(file, "/", "channels", (const char *const *)end->channel, (size_t)end->n_channels));
+    return h5_attribute_numbers(file, "/", "totals", H5T_NATIVE_INT64, (hsize_t)end->n_channels, end->total);
+}
+
+enum status run_writer_end(struct run_writer *writer, const shakedown_end_t *end)
+{
+    return writer->failed ? STATUS_OK : note(writer, end_write(writer->file, end));
+}
+
+struct run_counts run_writer_counts(const struct run_writer *writer)
+{
+    return (struct run_counts){.samples = table_rows(writer->samples),
+                               .frames = (int64_t)writer->series[SERIES_STEP].rows,
+                               .contact_frames = (int64_t)writer->series[SERIES_CONTACT_STEP].rows,
+                               .wall_states = writer->wall_states ? table_rows(writer->wall_states) : 0,
+                               .wall_commands = writer->wall_commands ? table_rows(writer->wall_commands) : 0};
+}
+
+/* Everything on disk first, `complete` after it. */
+static enum status finish(struct run_writer *writer, bool complete)
+{
+    TRY(tables_flush(writer, true));
+    if (!complete)
+        return STATUS_OK;
+    TRY(complete_write(writer->file, 1));
+    return h5_file_flush(writer->file);
+}
+
+/* Keeps the first failure. */
+static void keep(enum status *first, enum status status)
+{
+    if (*first == STATUS_OK)
+        *first = status;
+}
+
+enum status run_writer_close(struct run_writer *writer, bool complete)
+{
+    if (!writer)
+        return STATUS_OK;
+    enum status status = writer->file < 0 || writer->failed ? STATUS_OK : finish(writer, complete);
+    for (int id = 0; id < N_SERIES; id++)
+        keep(&status, h5_series_close(&writer->series[id]));
+    keep(&status, table_free(writer->samples));
+    keep(&status, table_free(writer->wall_states));
+    keep(&status, table_free(writer->wall_commands));
+    if (writer->file >= 0)
+        keep(&status, h5_file_close(writer->file));
+    free(writer);
+    return status;
+}

@@ -1,0 +1,37 @@
+/* Messages as rows, kept in memory and written in blocks, one HDF5 dataset per field. */
+#ifndef SHAKEDOWN_RECORDER_TABLE_H
+#define SHAKEDOWN_RECORDER_TABLE_H
+
+#include "recorder/fields.h"
+#include "recorder/h5.h"
+
+struct table;
+
+enum { TABLE_PATH_MAX = 128 };
+
+struct table_options {
+    const struct field *fields;
+    int dimension; /* of the run: gives the widths */
+    hsize_t block; /* rows of a chunk, and of a write */
+    int deflate;   /* 0: not compressed */
+    /* Writes the path of the column of a field. */
+    void (*path)(const char *field_name, char path[TABLE_PATH_MAX]);
+};
+
+/* Creates the datasets, without rows. */
+enum status table_create(struct table **table, hid_t file, const struct table_options *options) MUST_USE;
+
+/* Takes one message (the generated struct, with arrays as wide as the fields say); writes a block when it is full. */
+enum status table_append(struct table *table, const void *message) MUST_USE;
+
+/* Writes what waits. A compressed table writes whole blocks only, unless `last`: a chunk that is compressed again moves
+ * in the file, and a process killed before the next flush would leave a hole where it was. */
+enum status table_flush(struct table *table, bool last) MUST_USE;
+
+/* Rows taken, written or waiting. */
+int64_t table_rows(const struct table *table);
+
+/* Closes the datasets; does not write what waits. NULL is nothing. */
+enum status table_free(struct table *table) MUST_USE;
+
+#endif

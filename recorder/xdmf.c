@@ -1,0 +1,93 @@
+#include "recorder/xdmf.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TRAJECTORY "run.h5:/particles/trajectory/"
+
+enum status xdmf_frame_add(struct xdmf *xdmf, double time_s)
+{
+    if (xdmf->n_frames == xdmf->capacity) {
+        size_t capacity = xdmf->capacity ? 2 * xdmf->capacity : 64;
+        double *grown = realloc(xdmf->time_s, capacity * sizeof *grown);
+        if (!grown)
+            return status_fail(STATUS_NO_MEMORY, "no memory for %zu frames", capacity);
+        xdmf->time_s = grown;
+        xdmf->capacity = capacity;
+    }
+    xdmf->time_s[xdmf->n_frames++] = time_s;
+    return STATUS_OK;
+}
+
+void xdmf_free(struct xdmf *xdmf)
+{
+    free(xdmf->time_s);
+    *xdmf = (struct xdmf){0};
+}
+
+/* The rows of one frame of an [F][N][3] dataset. */
+static void print_slab(FILE *out, const struct xdmf *xdmf, int n, size_t frame, const char *name)
+{
+    fprintf(
+        out,
+        "          <DataItem ItemType=\"HyperSlab\" Dimensions=\"%d 3\">\n"
+        "            <DataItem Dimensions=\"3 3\" NumberType=\"Int\" Format=\"XML\">%zu 0 0 1 1 1 1 %d 3</DataItem>\n"
+        "            <DataItem Dimensions=\"%zu %d 3\" NumberType=\"Float\" Precision=\"8\" "
+        "Format=\"HDF\">" TRAJECTORY "%s/value</DataItem>\n"
+        "          </DataItem>\n",
+        n, frame, n, xdmf->n_frames, n, name);
+}
+
+static void print_vector(FILE *out, const struct xdmf *xdmf, int n, size_t frame, const char *name)
+{
+    fprintf(out, "        <Attribute Name=\"%s\" AttributeType=\"Vector\" Center=\"Node\">\n", name);
+    print_slab(out, xdmf, n, frame, name);
+    fprintf(out, "        </Attribute>\n");
+}
+
+/* An [N] dataset, the same in every frame. */
+static void print_constant(FILE *out, int n, const char *name, const char *number)
+{
+    fprintf(out,
+            "        <Attribute Name=\"%s\" AttributeType=\"Scalar\" Center=\"Node\">\n"
+            "          <DataItem Dimensions=\"%d\" %s Format=\"HDF\">" TRAJECTORY "%s</DataItem>\n"
+            "        </Attribute>\n",
+            name, n, number, name);
+}
+
+static void print_frame(FILE *out, const struct xdmf *xdmf, const struct run_facts *facts, size_t frame)
+{
+    int n = facts->n_particles;
+    fprintf(out,
+            "      <Grid Name=\"frame %zu\" GridType=\"Uniform\">\n"
+            "        <Time Value=\"%.17g\"/>\n"
+            "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%d\" NodesPerElement=\"1\"/>\n"
+            "        <Geometry GeometryType=\"XYZ\">\n",
+            frame, xdmf->time_s[frame], n);
+    print_slab(out, xdmf, n, frame, "position");
+    fprintf(out, "        </Geometry>\n");
+    print_constant(out, n, "radius", "NumberType=\"Float\" Precision=\"8\"");
+    print_constant(out, n, "mass", "NumberType=\"Float\" Precision=\"8\"");
+    print_constant(out, n, "id", "NumberType=\"Int\" Precision=\"4\"");
+    print_vector(out, xdmf, n, frame, "velocity");
+    if (facts->frictional)
+        print_vector(out, xdmf, n, frame, "angular_velocity");
+    fprintf(out, "      </Grid>\n");
+}
+
+enum status xdmf_write(const struct xdmf *xdmf, const struct run_facts *facts, const char *path)
+{
+    FILE *out = fopen(path, "w");
+    if (!out)
+        return status_fail(STATUS_IO, "cannot create %s: %s", path, strerror(errno));
+    fprintf(out, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
+                 "    <Grid Name=\"trajectory\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
+    for (size_t frame = 0; frame < xdmf->n_frames; frame++)
+        print_frame(out, xdmf, facts, frame);
+    fprintf(out, "    </Grid>\n  </Domain>\n</Xdmf>\n");
+    bool failed = ferror(out) != 0;
+    failed |= fclose(out) != 0;
+    return failed ? status_fail(STATUS_IO, "cannot write %s: %s", path, strerror(errno)) : STATUS_OK;
+}
