@@ -1,5 +1,6 @@
 #include "wallctl/law.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <limits.h>
 #include <math.h>
@@ -84,7 +85,7 @@ static double velocity_after(const struct scene_axis *axis, double t_s, double v
     if (!(mass_kg > 0))
         return net_n / gamma_kg_per_s;
     double x = gamma_kg_per_s * t_s / mass_kg;
-    if (!(x > 0))
+    if (x < 0.25 * DBL_EPSILON) /* the limit, to the last bit; below, gamma may be too small to divide by */
         return velocity_m_per_s + net_n * t_s / mass_kg;
     return exp(-x) * velocity_m_per_s - expm1(-x) / gamma_kg_per_s * net_n;
 }

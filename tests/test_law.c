@@ -1,0 +1,559 @@
+/* The control law against closed forms, and the protocol of stages. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "wall_fixture.h"
+#include "wallctl/law.h"
+
+/* Walls of the 2D box. */
+enum { X_LO, X_HI, Z_LO, Z_HI };
+
+static const double PI = 3.14159265358979323846;
+
+static void assert_near(double value, double expected, double tolerance)
+{
+    if (!(fabs(value - expected) <= tolerance))
+        fail_msg("%.17g is not within %g of %.17g", value, tolerance, expected);
+}
+
+static struct wall_command answer(const struct scene *scene, const struct wall_state *state)
+{
+    struct wall_command command;
+    if (wallctl_law(scene, state, &command) != STATUS_OK)
+        fail_msg("%s", status_message());
+    return command;
+}
+
+/* ---- strain control ---- */
+
+static const struct scene_axis paper_axis = {
+    .mode = WALL_STRAIN, .opposite = OPPOSITE_FIXED, .strain = 0.035, .frequency_hz = 10};
+static const double paper_z0_m = 0.12;
+
+static void strain_path_has_its_closed_form(void **unused)
+{
+    (void)unused;
+    double zf_m = paper_z0_m * (1 - paper_axis.strain);
+    /* A handful of roundings of numbers of size z0: below 4 eps z0. */
+    double tolerance = 4 * DBL_EPSILON * paper_z0_m;
+    assert_near(wallctl_strain_length_m(&paper_axis, paper_z0_m, 0), paper_z0_m, tolerance);
+    assert_near(wallctl_strain_length_m(&paper_axis, paper_z0_m, 0.025), 0.5 * (paper_z0_m + zf_m), tolerance);
+    assert_true(wallctl_strain_length_m(&paper_axis, paper_z0_m, 0.05) == zf_m);
+    assert_true(wallctl_strain_length_m(&paper_axis, paper_z0_m, 7) == zf_m);
+    assert_true(wallctl_strain_rate_m_per_s(&paper_axis, paper_z0_m, 0.0500001) == 0);
+}
+
+static void strain_rate_is_the_derivative(void **unused)
+{
+    (void)unused;
+    double omega = 2 * PI * 10, amplitude_m = 0.5 * paper_z0_m * paper_axis.strain, h = 1e-5;
+    /* Central difference: |z'''| h^2/6, and rounding of two lengths over 2h. */
+    double tolerance = amplitude_m * omega * omega * omega * h * h / 6 + 4 * DBL_EPSILON * paper_z0_m / h;
+    for (double t_s = 0.001; t_s < 0.0499; t_s += 0.004) {
+        double slope = (wallctl_strain_length_m(&paper_axis, paper_z0_m, t_s + h) -
+                        wallctl_strain_length_m(&paper_axis, paper_z0_m, t_s - h)) /
+                       (2 * h);
+        assert_near(wallctl_strain_rate_m_per_s(&paper_axis, paper_z0_m, t_s), slope, tolerance);
+    }
+}
+
+/* Every interval must end on the path, the motion must begin with the path's rate, and rest once it is there. */
+static void strain_run(int opposite, int interval_steps)
+{
+    struct scene *scene = fixture_scene(2);
+    struct wall_state state = fixture_state(4, paper_z0_m);
+    scene->coupling.interval_steps = interval_steps;
+    scene->stage[0].dt_s = 1e-4;
+    scene->stage[0].duration_s = 0.06; /* the path takes 0.05 s */
+    scene->stage[0].axis[AXIS_Z] = paper_axis;
+    scene->stage[0].axis[AXIS_Z].opposite = opposite;
+    double share = opposite == OPPOSITE_MIRROR ? 0.5 : 1;
+    /* x0 + v H + a H^2/2 with a = 2 (way - v H)/H^2: a few roundings of numbers no larger than z0. */
+    double tolerance = 4 * DBL_EPSILON * paper_z0_m;
+    for (int k = 0; k < 600; k++) {
+        struct wall_command command = answer(scene, &state);
+        if (command.finished)
+            break;
+        double rate = wallctl_strain_rate_m_per_s(&paper_axis, paper_z0_m, (double)state.stage_step * 1e-4);
+        assert_near(command.velocity_m_per_s[Z_HI], share * rate, 0);
+        fixture_advance(scene, &command, &state);
+        double z_m = wallctl_strain_length_m(&paper_axis, paper_z0_m, (double)state.stage_step * 1e-4);
+        assert_near(state.position_m[Z_HI] - state.position_m[Z_LO], z_m, 2 * tolerance);
+        assert_near(state.position_m[Z_HI], paper_z0_m + share * (z_m - paper_z0_m), tolerance);
+        assert_true(state.position_m[X_HI] == paper_z0_m && state.position_m[X_LO] == 0);
+    }
+    assert_int_equal(state.stage_step, 600);
+    assert_near(state.position_m[Z_HI] - state.position_m[Z_LO], paper_z0_m * (1 - 0.035), 2 * tolerance);
+    if (interval_steps <= 100) /* the last interval began after the path's end */
+        assert_true(state.velocity_m_per_s[Z_HI] == 0);
+    if (opposite == OPPOSITE_FIXED)
+        assert_true(state.position_m[Z_LO] == 0);
+    fixture_scene_free(scene);
+}
+
+static void strain_control_stays_on_the_path(void **unused)
+{
+    (void)unused;
+    strain_run(OPPOSITE_FIXED, 1);
+    strain_run(OPPOSITE_FIXED, 7);
+    strain_run(OPPOSITE_MIRROR, 1);
+    strain_run(OPPOSITE_MIRROR, 600);
+}
+
+/* ---- stress control ---- */
+
+enum { OSCILLATOR_K = 100 }; /* N/m; mass 1 kg, damping 1 kg/s: omega_0 = 10 1/s, damping ratio 0.05 */
+
+static struct scene *oscillator_scene(double dt_s, int interval_steps)
+{
+    struct scene *scene = fixture_scene(2);
+    scene->coupling.interval_steps = interval_steps;
+    scene->stage[0].dt_s = dt_s;
+    scene->stage[0].duration_s = 1;
+    scene->stage[0].axis[AXIS_Z] = (struct scene_axis){
+        .mode = WALL_STRESS, .opposite = OPPOSITE_FIXED, .pressure_pa = 10, .mass_kg = 1, .damping_kg_per_s = 1};
+    return scene;
+}
+
+/* y'' + y'/m + k y/m = 0, y(0) = p A/k, y'(0) = 0, y = z - (L - p A/k); A = 1 m^2. */
+static void oscillator_exact(double t_s, double *position_m, double *velocity_m_per_s)
+{
+    double beta = 0.5, k = OSCILLATOR_K, omega = sqrt(k - beta * beta), y0 = 10 / k;
+    double decay = exp(-beta * t_s);
+    *position_m = 1 - y0 + y0 * decay * (cos(omega * t_s) + beta / omega * sin(omega * t_s));
+    *velocity_m_per_s = -y0 * decay * (k / omega) * sin(omega * t_s);
+}
+
+/* Errors of position and of the velocity at the end of the last interval, after 1 s. */
+static void oscillator_errors(double dt_s, int interval_steps, double *position_error, double *velocity_error)
+{
+    struct scene *scene = oscillator_scene(dt_s, interval_steps);
+    struct wall_state state = fixture_state(4, 1);
+    double end_velocity = 0, position_m, velocity_m_per_s;
+    for (struct wall_command command = answer(scene, &state); !command.finished; command = answer(scene, &state)) {
+        fixture_advance(scene, &command, &state);
+        fixture_springs(&state, OSCILLATOR_K, 1);
+        end_velocity = command.velocity_m_per_s[Z_HI] + command.acceleration_m_per_s2[Z_HI] * command.n_steps * dt_s;
+    }
+    oscillator_exact(1, &position_m, &velocity_m_per_s);
+    *position_error = fabs(state.position_m[Z_HI] - position_m);
+    *velocity_error = fabs(end_velocity - velocity_m_per_s);
+    fixture_scene_free(scene);
+}
+
+/* Second order: halving H divides the error by 4 (1 + O(omega H)). At the coarsest pair omega H = 0.05, so the order is
+ * 2 within log2(1 + 0.05) = 0.07. The finest error is still 1e-6 of the motion, far above rounding. */
+static void stress_control_is_of_second_order(void **unused)
+{
+    double position_before = 0, velocity_before = 0;
+    (void)unused;
+    for (int n = 200; n <= 1600; n *= 2) {
+        double position_error, velocity_error;
+        oscillator_errors(1.0 / n, 1, &position_error, &velocity_error);
+        if (n > 200) {
+            print_message("H = 1/%d s: orders %.3f (position) %.3f (velocity)\n", n,
+                          log2(position_before / position_error), log2(velocity_before / velocity_error));
+            assert_near(log2(position_before / position_error), 2, 0.07);
+            assert_near(log2(velocity_before / velocity_error), 2, 0.07);
+        }
+        position_before = position_error;
+        velocity_before = velocity_error;
+    }
+}
+
+/* The same path whether H is one step or eight: position depends on H alone, but for rounding of some 200 intervals. */
+static void held_intervals_follow_the_same_positions(void **unused)
+{
+    double one, eight, velocity_error;
+    (void)unused;
+    oscillator_errors(1.0 / 200, 1, &one, &velocity_error);
+    oscillator_errors(1.0 / 1600, 8, &eight, &velocity_error);
+    assert_near(eight, one, 200 * 4 * DBL_EPSILON);
+}
+
+/* v+ of the upper z wall for one interval of 2 steps (held: it is the commanded velocity), T = H. */
+static double next_velocity(double mass_kg, double damping_kg_per_s, double last_velocity_m_per_s, double force_n)
+{
+    struct scene *scene = oscillator_scene(1e-3, 2);
+    struct wall_state state = fixture_state(4, 1);
+    scene->stage[0].axis[AXIS_Z].mass_kg = mass_kg;
+    scene->stage[0].axis[AXIS_Z].damping_kg_per_s = damping_kg_per_s;
+    state.stage = 0;
+    state.stage_step = 2;
+    state.interval_s = 2e-3;
+    state.velocity_m_per_s[Z_HI] = last_velocity_m_per_s;
+    state.force_n[Z_HI] = force_n;
+    struct wall_command command = answer(scene, &state);
+    assert_true(command.acceleration_m_per_s2[Z_HI] == 0);
+    fixture_scene_free(scene);
+    return command.velocity_m_per_s[Z_HI];
+}
+
+static void stress_control_has_its_limits(void **unused)
+{
+    (void)unused;
+    double h = 2e-3, net_n = 25 - 10; /* p A = 10 N */
+    double eps = 4 * DBL_EPSILON;     /* relative; up to four roundings */
+    assert_near(next_velocity(0, 3, 0.7, 25), net_n / 3, eps * 5);
+    assert_near(next_velocity(1e-300, 3, 0.7, 25), net_n / 3, eps * 5);
+    assert_near(next_velocity(2, 0, 0.7, 25), 0.7 + net_n * h / 2, eps);
+    /* First order in x = gamma T/m = 1e-12: both terms are off by x relative. */
+    assert_near(next_velocity(2, 1e-9, 0.7, 25), 0.7 + net_n * h / 2, 1.01e-12 * 0.72);
+    assert_near(next_velocity(2, 1e-320, 0.7, 25), 0.7 + net_n * h / 2, eps);
+    /* Free flight: damping alone, exactly. */
+    assert_near(next_velocity(2, 500, 0.7, 10), 0.7 * exp(-500 * h / 2), eps);
+    /* Very heavy: it does not move. */
+    assert_near(next_velocity(1e300, 3, 0.7, 25), 0.7, eps);
+}
+
+static struct scene_axis stress_axis(int opposite)
+{
+    return (struct scene_axis){.mode = WALL_STRESS,
+                               .opposite = opposite,
+                               .target = TARGET_COSINE,
+                               .pressure_pa = 10,
+                               .amplitude_pa = 4,
+                               .period_s = 0.25,
+                               .mass_kg = 1,
+                               .damping_kg_per_s = 1};
+}
+
+/* Unequal springs would push a free pair aside; the mirrored one must keep its centre and react to the mean force. */
+static void mirror_keeps_the_centre(void **unused)
+{
+    struct scene *scene = fixture_scene(2);
+    struct wall_state state = fixture_state(4, 1);
+    (void)unused;
+    scene->stage[0].axis[AXIS_Z] = stress_axis(OPPOSITE_MIRROR);
+    int intervals = 0;
+    for (struct wall_command c = answer(scene, &state); !c.finished; c = answer(scene, &state)) {
+        assert_true(c.velocity_m_per_s[Z_LO] == -c.velocity_m_per_s[Z_HI]);
+        assert_true(c.acceleration_m_per_s2[Z_LO] == -c.acceleration_m_per_s2[Z_HI]);
+        fixture_advance(scene, &c, &state);
+        fixture_springs(&state, OSCILLATOR_K, 1);
+        state.force_n[Z_LO] *= 3;
+        intervals++;
+    }
+    assert_int_equal(intervals, 1000);
+    assert_true(state.position_m[Z_LO] > 0.01); /* it moved */
+    /* Two roundings of at most one ulp of 1 each interval, all the same way at worst. */
+    assert_near(state.position_m[Z_LO] + state.position_m[Z_HI], 1, intervals * 2 * DBL_EPSILON);
+    fixture_scene_free(scene);
+}
+
+static void mirror_follows_the_mean_force(void **unused)
+{
+    struct scene *scene = fixture_scene(2);
+    struct wall_state state = fixture_state(4, 1);
+    (void)unused;
+    scene->stage[0].axis[AXIS_Z] = stress_axis(OPPOSITE_MIRROR);
+    state.force_n[Z_LO] = 30;
+    state.force_n[Z_HI] = 10;
+    struct wall_command mirrored = answer(scene, &state);
+    scene->stage[0].axis[AXIS_Z].opposite = OPPOSITE_FIXED;
+    state.force_n[Z_HI] = 20;
+    struct wall_command single = answer(scene, &state);
+    assert_true(mirrored.velocity_m_per_s[Z_HI] == single.velocity_m_per_s[Z_HI]);
+    assert_true(mirrored.acceleration_m_per_s2[Z_HI] == single.acceleration_m_per_s2[Z_HI]);
+    assert_true(single.velocity_m_per_s[Z_LO] == 0 && single.acceleration_m_per_s2[Z_LO] == 0);
+    fixture_scene_free(scene);
+}
+
+/* The lower wall of "constant" sees pressure_pa whatever the cycle, and outward is downward for it. */
+static void constant_opposite_is_a_wall_of_its_own(void **unused)
+{
+    struct scene *scene = fixture_scene(2);
+    struct wall_state state = fixture_state(4, 1);
+    (void)unused;
+    scene->coupling.interval_steps = 2;
+    scene->stage[0].axis[AXIS_Z] = stress_axis(OPPOSITE_CONSTANT);
+    state.stage = 0;
+    state.stage_step = 125; /* half the period: the target is 14 Pa */
+    state.interval_s = 2e-3;
+    state.force_n[Z_LO] = 10;
+    state.force_n[Z_HI] = 14;
+    struct wall_command command = answer(scene, &state);
+    /* 1 - cos(pi): a rounding of 14 Pa on 1 m^2, over T/m. */
+    assert_near(command.velocity_m_per_s[Z_HI], 0, 2e-3 * 14 * 4 * DBL_EPSILON);
+    assert_true(command.velocity_m_per_s[Z_LO] == 0);
+    state.force_n[Z_LO] = 11;
+    command = answer(scene, &state);
+    assert_true(command.velocity_m_per_s[Z_LO] < 0);
+    /* 1 N for 2 ms on 1 kg, damped by at most gamma T/m = 0.2 %. */
+    assert_near(command.velocity_m_per_s[Z_LO], -2e-3, 0.002 * 2e-3);
+    fixture_scene_free(scene);
+}
+
+static void area_is_the_product_of_the_other_lengths(void **unused)
+{
+    struct scene *scene = fixture_scene(3);
+    struct wall_state state = fixture_state(6, 1);
+    (void)unused;
+    scene->stage[0].axis[AXIS_Y] = stress_axis(OPPOSITE_FIXED);
+    scene->stage[0].axis[AXIS_Y].amplitude_pa = 0;
+    state.position_m[1] = 2; /* x */
+    state.position_m[5] = 7; /* z */
+    state.force_n[3] = 10 * 2 * 7;
+    struct wall_command command = answer(scene, &state);
+    for (int wall = 0; wall < 6; wall++)
+        assert_true(command.velocity_m_per_s[wall] == 0 && command.acceleration_m_per_s2[wall] == 0);
+    state.force_n[3] = 10 * 2 * 7 + 1;
+    command = answer(scene, &state);
+    assert_true(command.acceleration_m_per_s2[3] > 0);
+    fixture_scene_free(scene);
+}
+
+static void targets_have_their_closed_forms(void **unused)
+{
+    (void)unused;
+    struct scene_axis ramp = {.target = TARGET_RAMP, .pressure_pa = 100, .pressure_end_pa = 500, .ramp_s = 2};
+    struct scene_axis cosine = {.target = TARGET_COSINE, .pressure_pa = 1000, .amplitude_pa = 200, .period_s = 10};
+    struct scene_axis constant = {.target = TARGET_CONSTANT, .pressure_pa = 7};
+    assert_true(wallctl_target_pressure_pa(&constant, 3) == 7);
+    assert_true(wallctl_target_pressure_pa(&ramp, 0) == 100);
+    assert_true(wallctl_target_pressure_pa(&ramp, 0.5) == 200);
+    assert_true(wallctl_target_pressure_pa(&ramp, 2) == 500);
+    assert_true(wallctl_target_pressure_pa(&ramp, 99) == 500);
+    assert_true(wallctl_target_pressure_pa(&cosine, 0) == 1000);
+    /* cos of a rounded argument of size 2 pi: 8 eps, times 100 Pa; and a rounding of 1200 Pa. */
+    double tolerance = (8 * 100 + 1200) * DBL_EPSILON;
+    assert_near(wallctl_target_pressure_pa(&cosine, 2.5), 1100, tolerance);
+    assert_near(wallctl_target_pressure_pa(&cosine, 5), 1200, tolerance);
+    assert_near(wallctl_target_pressure_pa(&cosine, 10), 1000, tolerance);
+}
+
+/* ---- protocol ---- */
+
+/* 0.3/0.1 and 0.07/0.01 are not whole in binary; the steps must be, whatever the interval. */
+static void stages_have_whole_steps(void **unused)
+{
+    static const int64_t intervals[] = {1, 2, 5, 1000};
+    struct scene *scene = fixture_scene(2);
+    (void)unused;
+    scene->n_stages = 3;
+    scene->stage[1] = scene->stage[2] = scene->stage[0];
+    scene->stage[0].dt_s = 0.1, scene->stage[0].duration_s = 0.3;
+    scene->stage[1].dt_s = 0.01, scene->stage[1].duration_s = 0.07;
+    scene->stage[2].dt_s = 0.5, scene->stage[2].duration_s = 0.5;
+    for (int k = 0; k < 4; k++) {
+        struct wall_state state = fixture_state(4, 1);
+        int64_t steps[3] = {0};
+        double fraction = 0;
+        scene->coupling.interval_steps = intervals[k];
+        struct wall_command c = answer(scene, &state);
+        assert_int_equal(c.stage, 0);
+        for (int guard = 0; !c.finished && guard < 100; guard++, c = answer(scene, &state)) {
+            assert_true(c.n_steps >= 1 && c.n_steps <= intervals[k] && c.step == state.step);
+            assert_true(c.fraction_done >= fraction && c.fraction_done < 1);
+            fraction = c.fraction_done;
+            steps[c.stage] += c.n_steps;
+            fixture_advance(scene, &c, &state);
+        }
+        assert_true(c.finished && c.n_steps == 0 && c.fraction_done == 1 && c.stage == 2);
+        assert_true(steps[0] == 3 && steps[1] == 7 && steps[2] == 1);
+    }
+    fixture_scene_free(scene);
+}
+
+/* A new stage starts its path where the walls are, at time 0, with the velocity they have. */
+static void a_new_stage_starts_where_the_walls_are(void **unused)
+{
+    struct scene *scene = fixture_scene(2);
+    struct wall_state state = fixture_state(4, 1);
+    (void)unused;
+    scene->n_stages = 2;
+    scene->stage[1] = scene->stage[0];
+    scene->stage[1].axis[AXIS_Z] = paper_axis;
+    scene->stage[1].axis[AXIS_X] = (struct scene_axis){.mode = WALL_STRESS, .opposite = OPPOSITE_FIXED, .mass_kg = 1};
+    state.stage = 0;
+    state.stage_step = 1000;
+    state.interval_s = 1e-3;
+    state.position_m[Z_HI] = 0.5; /* the stage before moved it */
+    state.velocity_m_per_s[X_HI] = -0.25;
+    struct wall_command command = answer(scene, &state);
+    assert_int_equal(command.stage, 1);
+    assert_true(command.velocity_m_per_s[Z_HI] == 0); /* the path starts at rest ... */
+    double end_m = wallctl_strain_length_m(&paper_axis, 0.5, 1e-3);
+    double way_m = 0.5 * command.acceleration_m_per_s2[Z_HI] * 1e-6;
+    assert_near(0.5 + way_m, end_m, 2 * DBL_EPSILON); /* ... from the present length */
+    assert_true(command.velocity_m_per_s[X_HI] == -0.25 && command.acceleration_m_per_s2[X_HI] == 0);
+    fixture_scene_free(scene);
+}
+
+/* A state in the middle of stage 0 of 2 whose energy condition holds; tests take one thing away. */
+static struct scene *condition_scene(struct wall_state *state)
+{
+    struct scene *scene = fixture_scene(2);
+    scene->n_stages = 2;
+    scene->stage[1] = scene->stage[0];
+    scene->stage[0].until_energy_ratio = 1e-3;
+    scene->stage[0].min_duration_s = 0.1;
+    *state = fixture_state(4, 1);
+    state->stage = 0;
+    state->step = 5100;
+    state->stage_step = 100;
+    state->energy_step = 5090;
+    state->kinetic_energy_j = 0.9e-3;
+    state->elastic_energy_j = 1;
+    return scene;
+}
+
+static void energy_condition_ends_a_stage(void **unused)
+{
+    struct wall_state state, good;
+    struct scene *scene = condition_scene(&good);
+    (void)unused;
+    assert_int_equal(answer(scene, &good).stage, 1);
+    assert_true(answer(scene, &good).fraction_done == 0.5); /* the stage counts in full */
+    state = good;
+    state.kinetic_energy_j = 1.1e-3;
+    assert_int_equal(answer(scene, &state).stage, 0);
+    state = good;
+    state.stage_step = 99; /* min_duration_s */
+    assert_int_equal(answer(scene, &state).stage, 0);
+    state = good;
+    state.energy_step = 5000; /* of the stage before */
+    assert_int_equal(answer(scene, &state).stage, 0);
+    state = good;
+    state.kinetic_energy_j = state.elastic_energy_j = 0; /* nothing touches: not at rest under load */
+    assert_int_equal(answer(scene, &state).stage, 0);
+    state = good;
+    state.kinetic_energy_j = -1;
+    state.elastic_energy_j = -1;
+    assert_int_equal(answer(scene, &state).stage, 0);
+    state.stage_step = 1000; /* the limit in time holds whatever the energies */
+    assert_int_equal(answer(scene, &state).stage, 1);
+    fixture_scene_free(scene);
+}
+
+static void stress_condition_looks_at_every_controlled_wall(void **unused)
+{
+    struct wall_state state;
+    struct scene *scene = condition_scene(&state);
+    struct scene_stage *stage = &scene->stage[0];
+    (void)unused;
+    stage->until_stress_error = 0.01;
+    assert_int_equal(answer(scene, &state).stage, 0); /* no stress-controlled wall: never */
+    stage->axis[AXIS_Z] = stress_axis(OPPOSITE_CONSTANT);
+    stage->axis[AXIS_Z].amplitude_pa = 0;
+    state.force_n[Z_HI] = 10.09;
+    state.force_n[Z_LO] = 9.91;
+    assert_int_equal(answer(scene, &state).stage, 1);
+    state.force_n[Z_LO] = 9.89;
+    assert_int_equal(answer(scene, &state).stage, 0);
+    stage->axis[AXIS_Z].opposite = OPPOSITE_MIRROR; /* the mean is what is controlled */
+    assert_int_equal(answer(scene, &state).stage, 1);
+    stage->axis[AXIS_Z].opposite = OPPOSITE_FIXED; /* the lower wall is not controlled */
+    state.force_n[Z_LO] = 0;
+    assert_int_equal(answer(scene, &state).stage, 1);
+    state.force_n[Z_HI] = 10.11;
+    assert_int_equal(answer(scene, &state).stage, 0);
+    state.force_n[Z_HI] = 10;
+    state.kinetic_energy_j = 1; /* all given conditions must hold */
+    assert_int_equal(answer(scene, &state).stage, 0);
+    fixture_scene_free(scene);
+}
+
+/* ---- input ---- */
+
+static void refuse(const struct scene *scene, const struct wall_state *state, const char *part_of_message)
+{
+    struct wall_command command;
+    assert_int_equal(wallctl_law(scene, state, &command), STATUS_FORMAT);
+    assert_non_null(strstr(status_message(), part_of_message));
+}
+
+static void bad_states_are_refused(void **unused)
+{
+    struct scene *scene = fixture_scene(2);
+    const struct wall_state good = fixture_state(4, 1);
+    struct wall_state bad = fixture_state(6, 1);
+    (void)unused;
+    assert_int_equal(answer(scene, &good).stage, 0);
+    refuse(scene, &bad, "6 walls");
+    bad = good, bad.stage = 1;
+    refuse(scene, &bad, "stage 1");
+    bad = good, bad.stage = -2;
+    refuse(scene, &bad, "stage -2");
+    bad = good, bad.stage_step = -1;
+    refuse(scene, &bad, "stage");
+    bad = good, bad.force_n[3] = NAN;
+    refuse(scene, &bad, "finite");
+    bad = good, bad.velocity_m_per_s[0] = INFINITY;
+    refuse(scene, &bad, "finite");
+    bad = good, bad.kinetic_energy_j = NAN;
+    refuse(scene, &bad, "finite");
+    bad = good, bad.interval_s = -1;
+    refuse(scene, &bad, "negative interval");
+    bad = good, bad.position_m[Z_LO] = 1;
+    refuse(scene, &bad, "axis z have met");
+    fixture_scene_free(scene);
+}
+
+static void a_command_that_is_not_finite_is_refused(void **unused)
+{
+    struct scene *scene = oscillator_scene(1e-3, 1);
+    struct wall_state state = fixture_state(4, 1);
+    struct wall_command command;
+    (void)unused;
+    state.force_n[Z_HI] = DBL_MAX;
+    scene->stage[0].axis[AXIS_Z].mass_kg = DBL_MIN;
+    scene->stage[0].axis[AXIS_Z].damping_kg_per_s = DBL_MIN;
+    assert_int_equal(wallctl_law(scene, &state, &command), STATUS_UNSTABLE);
+    fixture_scene_free(scene);
+}
+
+/* The law keeps nothing: the same state gives the same bits, also after answering others. */
+static void the_law_keeps_nothing(void **unused)
+{
+    unsigned char first[WALL_MESSAGE_MAX], second[WALL_MESSAGE_MAX];
+    struct scene *scene = oscillator_scene(1e-3, 1);
+    struct wall_state state = fixture_state(4, 1);
+    (void)unused;
+    for (int k = 0; k < 50; k++) {
+        struct wall_command command = answer(scene, &state);
+        size_t size = wall_command_encode(&command, 1, k, state.time_s, first);
+        struct wall_state other = fixture_state(4, 2);
+        other.force_n[Z_HI] = k;
+        command = answer(scene, &other);
+        command = answer(scene, &state);
+        assert_int_equal(wall_command_encode(&command, 1, k, state.time_s, second), size);
+        assert_memory_equal(first, second, size);
+        fixture_advance(scene, &command, &state);
+        fixture_springs(&state, OSCILLATOR_K, 1);
+    }
+    fixture_scene_free(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(strain_path_has_its_closed_form),
+        cmocka_unit_test(strain_rate_is_the_derivative),
+        cmocka_unit_test(strain_control_stays_on_the_path),
+        cmocka_unit_test(stress_control_is_of_second_order),
+        cmocka_unit_test(held_intervals_follow_the_same_positions),
+        cmocka_unit_test(stress_control_has_its_limits),
+        cmocka_unit_test(mirror_keeps_the_centre),
+        cmocka_unit_test(mirror_follows_the_mean_force),
+        cmocka_unit_test(constant_opposite_is_a_wall_of_its_own),
+        cmocka_unit_test(area_is_the_product_of_the_other_lengths),
+        cmocka_unit_test(targets_have_their_closed_forms),
+        cmocka_unit_test(stages_have_whole_steps),
+        cmocka_unit_test(a_new_stage_starts_where_the_walls_are),
+        cmocka_unit_test(energy_condition_ends_a_stage),
+        cmocka_unit_test(stress_condition_looks_at_every_controlled_wall),
+        cmocka_unit_test(bad_states_are_refused),
+        cmocka_unit_test(a_command_that_is_not_finite_is_refused),
+        cmocka_unit_test(the_law_keeps_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,25 @@
+# The control law, the bus and the record stream, and the process wallctl.
+set(IN_NAMESPACE ${CMAKE_CURRENT_LIST_DIR}/in_namespace.sh)
+
+add_library(wall_fixture STATIC ${CMAKE_CURRENT_LIST_DIR}/wall_fixture.c)
+target_link_libraries(wall_fixture PUBLIC shakedown_law PkgConfig::CMOCKA)
+target_include_directories(wall_fixture PUBLIC ${CMAKE_CURRENT_LIST_DIR})
+
+add_executable(test_law ${CMAKE_CURRENT_LIST_DIR}/test_law.c)
+target_link_libraries(test_law PRIVATE wall_fixture)
+add_test(NAME law COMMAND test_law)
+set_tests_properties(law PROPERTIES LABELS physics TIMEOUT 30)
+
+if(EXISTS ${CMAKE_CURRENT_LIST_DIR}/test_bus.c)
+add_executable(test_bus ${CMAKE_CURRENT_LIST_DIR}/test_bus.c)
+target_link_libraries(test_bus PRIVATE shakedown_common PkgConfig::CMOCKA)
+add_test(NAME bus COMMAND ${IN_NAMESPACE} $<TARGET_FILE:test_bus>)
+set_tests_properties(bus PROPERTIES LABELS unit TIMEOUT 60)
+endif()
+
+if(EXISTS ${CMAKE_CURRENT_LIST_DIR}/test_wallctl.c)
+add_executable(test_wallctl ${CMAKE_CURRENT_LIST_DIR}/test_wallctl.c)
+target_link_libraries(test_wallctl PRIVATE wall_fixture shakedown_wallctl)
+add_test(NAME wallctl COMMAND ${IN_NAMESPACE} $<TARGET_FILE:test_wallctl> $<TARGET_FILE:wallctl>)
+set_tests_properties(wallctl PROPERTIES LABELS "pipeline;replay;fault" TIMEOUT 120)
+endif()
