@@ -1,0 +1,678 @@
+/* The bus, what is read from a message before it is decoded, the record stream, signals and the command line.
+ * Runs in a network namespace of its own (in_namespace.sh). */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "common/bus.h"
+#include "common/command_line.h"
+#include "common/coupling.h"
+#include "common/message.h"
+#include "common/record_stream.h"
+#include "common/signals.h"
+#include "shakedown_record_ack_t.h"
+#include "shakedown_wall_state_t.h"
+
+static void must(enum status status)
+{
+    if (status != STATUS_OK)
+        fail_msg("%s: %s", status_text(status), status_message());
+}
+
+static void count_message(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    (void)buffer;
+    (void)channel;
+    ++*(int *)user;
+}
+
+/* Handles messages until none comes for quiet_ms; returns their number. */
+static int drain(struct bus *bus, int quiet_ms)
+{
+    bool handled = true;
+    int count = 0;
+    while (count < 1000000) {
+        must(bus_handle(bus, quiet_ms, &handled));
+        if (!handled)
+            break;
+        count++;
+    }
+    return count;
+}
+
+/* ---- bus ---- */
+
+static void publish_has_a_limit(void **unused)
+{
+    static unsigned char data[BUS_MESSAGE_MAX + 1];
+    struct bus bus;
+    (void)unused;
+    must(bus_open(&bus, "memq://"));
+    must(bus_publish(&bus, "A", data, BUS_MESSAGE_MAX));
+    assert_int_equal(bus_publish(&bus, "A", data, sizeof data), STATUS_LIMIT);
+    bus_close(&bus);
+}
+
+/* LCM's own default keeps 30. memq:// loses nothing else, so every missing message is the queue's. */
+static void a_burst_fits_the_queue(void **unused)
+{
+    struct bus bus;
+    int count = 0;
+    (void)unused;
+    must(bus_open(&bus, "memq://"));
+    must(bus_subscribe(&bus, "A", count_message, &count));
+    for (int k = 0; k < 20000; k++)
+        must(bus_publish(&bus, "A", &k, sizeof k));
+    drain(&bus, 0);
+    assert_int_equal(count, 20000);
+    bus_close(&bus);
+}
+
+static void channels_are_names_not_patterns(void **unused)
+{
+    struct bus bus;
+    int count = 0;
+    (void)unused;
+    must(bus_open(&bus, "memq://"));
+    must(bus_subscribe(&bus, "A.B+", count_message, &count));
+    must(bus_publish(&bus, "AxB", "", 1));
+    must(bus_publish(&bus, "A.BB", "", 1));
+    must(bus_publish(&bus, "A.B+", "", 1));
+    drain(&bus, 0);
+    assert_int_equal(count, 1);
+    assert_int_equal(bus_subscribe(&bus, "", count_message, &count), STATUS_LIMIT);
+    bus_close(&bus);
+}
+
+static void two_buses_talk(void **unused)
+{
+    struct bus one, two;
+    int count = 0;
+    (void)unused;
+    must(bus_open(&one, NULL));
+    must(bus_open(&two, "udpm://239.255.76.67:7667?ttl=0"));
+    must(bus_subscribe(&two, "A", count_message, &count));
+    must(bus_publish(&one, "A", "x", 1));
+    must(bus_publish(&one, "B", "x", 1));
+    bool handled = false;
+    must(bus_handle(&two, 5000, &handled));
+    assert_true(handled && count == 1);
+    bus_close(&one);
+    bus_close(&two);
+}
+
+/* A namespace without any route, in a child so that this one keeps its own. */
+static void a_missing_route_is_named(void **unused)
+{
+    (void)unused;
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        struct bus bus;
+        if (unshare(CLONE_NEWNET) != 0 || !freopen("/dev/null", "w", stderr)) /* LCM's own advice is long */
+            _exit(2);
+        if (bus_open(&bus, NULL) != STATUS_BUS || bus.lcm)
+            _exit(3);
+        _exit(strstr(status_message(), "ip route add 224.0.0.0/4 dev lo") ? 0 : 4);
+    }
+    int result = 0;
+    assert_int_equal(waitpid(child, &result, 0), child);
+    assert_true(WIFEXITED(result));
+    assert_int_equal(WEXITSTATUS(result), 0);
+}
+
+static void wrong_urls_are_refused(void **unused)
+{
+    struct bus bus;
+    (void)unused;
+    assert_int_equal(bus_open(&bus, "nonsense"), STATUS_BUS);
+    assert_int_equal(bus_open(&bus, "file:///nowhere/at/all"), STATUS_BUS);
+    assert_int_equal(bus_open(&bus, "file:///nowhere/at/all?mode=w"), STATUS_IO);
+}
+
+static void temporary_path(char path[64])
+{
+    snprintf(path, 64, "/tmp/shakedown-test-XXXXXX");
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    assert_int_equal(close(file), 0);
+}
+
+static void a_log_ends_without_an_error(void **unused)
+{
+    char path[64], url[96];
+    struct bus bus;
+    int count = 0;
+    bool handled = true;
+    (void)unused;
+    temporary_path(path);
+    snprintf(url, sizeof url, "file://%s?mode=w", path);
+    must(bus_open(&bus, url));
+    assert_true(bus.is_log);
+    must(bus_subscribe(&bus, "A", count_message, &count));
+    for (int k = 0; k < 3; k++)
+        must(bus_publish(&bus, k == 1 ? "B" : "A", &k, sizeof k));
+    must(bus_handle(&bus, 1000, &handled));
+    assert_false(handled); /* nobody answers a log */
+    must(bus_flush(&bus));
+    bus_close(&bus);
+    snprintf(url, sizeof url, "file://%s", path);
+    must(bus_open(&bus, url));
+    must(bus_subscribe(&bus, "A", count_message, &count));
+    assert_int_equal(drain(&bus, 0), 3);
+    assert_int_equal(drain(&bus, 0), 0);
+    assert_int_equal(count, 2);
+    bus_close(&bus);
+    assert_int_equal(unlink(path), 0);
+}
+
+static void a_full_disk_is_noticed(void **unused)
+{
+    struct bus bus;
+    (void)unused;
+    must(bus_open(&bus, "file:///dev/full?mode=w"));
+    enum status status = bus_publish(&bus, "A", "x", 1);
+    if (status == STATUS_OK) /* still buffered */
+        status = bus_flush(&bus);
+    assert_int_equal(status, STATUS_IO);
+    bus_close(&bus);
+}
+
+static void on_alarm(int signal_number)
+{
+    (void)signal_number;
+}
+
+/* A signal must end the wait: liblcm's own wait would go on without a limit. */
+static void a_signal_ends_a_wait(void **unused)
+{
+    struct sigaction action = {.sa_handler = on_alarm}, before;
+    struct itimerval soon = {.it_value = {0, 20000}};
+    struct bus bus;
+    bool handled = true;
+    (void)unused;
+    must(bus_open(&bus, NULL));
+    assert_int_equal(sigaction(SIGALRM, &action, &before), 0);
+    double start_s = clock_now_s();
+    assert_int_equal(setitimer(ITIMER_REAL, &soon, NULL), 0);
+    must(bus_handle(&bus, 30000, &handled));
+    assert_false(handled);
+    assert_true(clock_now_s() - start_s < 15); /* of 30 s; 20 ms are expected */
+    assert_int_equal(sigaction(SIGALRM, &before, NULL), 0);
+    bus_close(&bus);
+}
+
+/* ---- messages ---- */
+
+static struct wall_state some_state(int n_walls)
+{
+    struct wall_state state = {.step = 7,
+                               .time_s = 0.1,
+                               .stage = 2,
+                               .stage_step = 5,
+                               .stage_time_s = 0.3,
+                               .interval_s = 1e-7,
+                               .kinetic_energy_j = 1.5,
+                               .elastic_energy_j = 2.5,
+                               .energy_step = 6,
+                               .interface_residual_j = -0.0,
+                               .n_walls = n_walls};
+    for (int k = 0; k < n_walls; k++) {
+        state.position_m[k] = 1 + k;
+        state.velocity_m_per_s[k] = 10.1 + k;
+        state.force_n[k] = 20.2 + k;
+        state.stiffness_n_per_m[k] = 30.3 + k;
+        state.damping_kg_per_s[k] = 40.4 + k;
+        state.stage_position_m[k] = 50.5 + k;
+    }
+    return state;
+}
+
+/* Encoding what was decoded must give the same bytes, so every field made it both ways. */
+static void walls_survive_the_bus(void **unused)
+{
+    unsigned char first[WALL_MESSAGE_MAX], second[WALL_MESSAGE_MAX];
+    struct message_header header;
+    (void)unused;
+    for (int n_walls = 4; n_walls <= 6; n_walls += 2) {
+        struct wall_state state = some_state(n_walls), state_back;
+        size_t size = wall_state_encode(&state, 11, 12, first);
+        assert_true(wall_state_decode(first, size, &header, &state_back));
+        assert_true(header.run_id == 11 && header.seq == 12 && header.step == 7 && header.time_s == 0.1);
+        assert_int_equal(wall_state_encode(&state_back, 11, 12, second), size);
+        assert_memory_equal(first, second, size);
+        assert_true(state_back.position_m[3] == 4 && state_back.stage_position_m[n_walls - 1] == 49.5 + n_walls);
+
+        struct wall_command command = {.step = 9, .stage = 1, .finished = true, .n_steps = 3, .fraction_done = 0.5};
+        struct wall_command command_back;
+        command.n_walls = n_walls;
+        command.position_m[1] = 1.25;
+        command.velocity_m_per_s[2] = -0.0;
+        command.acceleration_m_per_s2[n_walls - 1] = 1e300;
+        size = wall_command_encode(&command, 11, 13, 0.25, first);
+        assert_true(wall_command_decode(first, size, &header, &command_back));
+        assert_int_equal(wall_command_encode(&command_back, 11, 13, 0.25, second), size);
+        assert_memory_equal(first, second, size);
+        assert_true(command_back.finished && command_back.n_steps == 3 && command_back.position_m[1] == 1.25);
+    }
+}
+
+/* Every length, and counts that overflow the generated decoder's arithmetic: 2^29 doubles are 0 bytes in an int. */
+static void hostile_messages_are_refused(void **unused)
+{
+    static const uint32_t counts[] = {0, 3, 5, 6, 8, 0x20000000, 0x20000004, 0x7fffffff, 0x80000000, 0xffffffff};
+    unsigned char bytes[WALL_MESSAGE_MAX];
+    struct wall_state state = some_state(4), back;
+    struct message_header header;
+    (void)unused;
+    size_t size = wall_state_encode(&state, 11, 12, bytes);
+    for (size_t length = 0; length < WALL_MESSAGE_MAX; length++)
+        assert_true(wall_state_decode(bytes, length, &header, &back) == (length == size));
+    unsigned char *count_at = bytes + size - 4 * 6 * sizeof(double) - 4;
+    assert_int_equal(count_at[3], 4);
+    for (size_t k = 0; k < sizeof counts / sizeof counts[0]; k++) {
+        for (int byte = 0; byte < 4; byte++)
+            count_at[byte] = (unsigned char)(counts[k] >> (24 - 8 * byte));
+        assert_false(wall_state_decode(bytes, size, &header, &back));
+    }
+    size = wall_state_encode(&state, 11, 12, bytes);
+    bytes[0] ^= 1; /* the type's fingerprint */
+    assert_false(wall_state_decode(bytes, size, &header, &back));
+}
+
+/* ---- record stream ---- */
+
+enum { RUN = 4711 };
+
+/* A stand-in for the recorder, in a thread with a bus of its own. */
+struct recorder {
+    struct bus bus;
+    pthread_t thread;
+    atomic_bool stop;
+    int drop_every;      /* records that "get lost"; 0: none */
+    int drop_ack_every;  /* and acknowledgements */
+    bool silent, failed; /* never acknowledges; cannot write */
+    int records, acks;
+    int64_t next_seq[RECORD_CHANNELS];
+    bool damaged; /* a record did not hold what its channel and number ask for */
+};
+
+/* Payload after the header: bytes that follow from channel and number. */
+static unsigned char filler(int channel, int64_t seq, size_t k)
+{
+    return (unsigned char)(channel * 71 + seq * 31 + (int64_t)k * 7);
+}
+
+static size_t record_make(int channel, int64_t seq, size_t size, unsigned char *bytes)
+{
+    const uint64_t fields[5] = {0, RUN, (uint64_t)seq, 0, 0};
+    for (size_t k = 0; k < 40; k++)
+        bytes[k] = (unsigned char)(fields[k / 8] >> (56 - 8 * (k % 8)));
+    for (size_t k = 40; k < size; k++)
+        bytes[k] = filler(channel, seq, k);
+    return size;
+}
+
+static void ack_send(struct recorder *r, int64_t run_id, bool complete)
+{
+    unsigned char buffer[256];
+    shakedown_record_ack_t ack = {.run_id = run_id,
+                                  .n_channels = RECORD_CHANNELS,
+                                  .next_seq = r->next_seq,
+                                  .complete = complete,
+                                  .failed = r->failed};
+    if (r->silent || (r->drop_ack_every && ++r->acks % r->drop_ack_every == 0))
+        return;
+    int size = shakedown_record_ack_t_encode(buffer, 0, sizeof buffer, &ack);
+    if (size < 0 || bus_publish(&r->bus, CHANNEL_RECORD_ACK, buffer, (size_t)size) != STATUS_OK)
+        r->damaged = true;
+}
+
+static void on_record(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    struct recorder *r = user;
+    struct message_header header;
+    int c = 0;
+    while (c < RECORD_CHANNELS && strcmp(channel, record_channel_name[c]) != 0)
+        c++;
+    r->records++;
+    if (r->drop_every && r->records % r->drop_every == 0)
+        return;
+    if (c == RECORD_CHANNELS || !message_header_read(buffer->data, buffer->data_size, &header)) {
+        r->damaged = true;
+        return;
+    }
+    if (header.seq == r->next_seq[c]) {
+        r->next_seq[c]++;
+        for (size_t k = 40; k < buffer->data_size; k++)
+            r->damaged |= ((const unsigned char *)buffer->data)[k] != filler(c, header.seq, k);
+    }
+    /* This recorder knows END's totals: it comes last, so all is there when it is taken in order with the others. */
+    ack_send(r, RUN,
+             r->next_seq[RECORD_END] > 0 && r->next_seq[RECORD_SAMPLE] == 60 && r->next_seq[RECORD_PARTICLES] == 1);
+}
+
+static void *recorder_run(void *user)
+{
+    struct recorder *r = user;
+    while (!atomic_load(&r->stop)) {
+        bool handled = false;
+        if (bus_handle(&r->bus, 20, &handled) != STATUS_OK)
+            r->damaged = true;
+    }
+    return NULL;
+}
+
+static void recorder_start(struct recorder *r)
+{
+    must(bus_open(&r->bus, NULL));
+    for (int c = 0; c < RECORD_CHANNELS; c++)
+        must(bus_subscribe(&r->bus, record_channel_name[c], on_record, r));
+    assert_int_equal(pthread_create(&r->thread, NULL, recorder_run, r), 0);
+}
+
+static void recorder_stop(struct recorder *r)
+{
+    atomic_store(&r->stop, true);
+    assert_int_equal(pthread_join(r->thread, NULL), 0);
+    bus_close(&r->bus);
+    assert_false(r->damaged);
+}
+
+static enum status record_publish(struct record_stream *stream, enum record_channel channel, size_t size)
+{
+    static unsigned char bytes[BUS_MESSAGE_MAX];
+    int64_t seq = record_stream_next_seq(stream, channel);
+    return record_stream_publish(stream, channel, bytes, record_make(channel, seq, size, bytes));
+}
+
+/* 1 + 1 + 60 + 1 records of 40 B to 60 kB; returns what flush says. */
+static enum status run_publish(struct record_stream *stream)
+{
+    TRY(record_publish(stream, RECORD_RUN_INFO, 60000));
+    TRY(record_publish(stream, RECORD_PARTICLES, 49000));
+    for (int k = 0; k < 60; k++) {
+        TRY(record_publish(stream, RECORD_SAMPLE, (size_t)(40 + k * 997)));
+        TRY(record_stream_service(stream));
+    }
+    TRY(record_publish(stream, RECORD_END, 1000));
+    return record_stream_flush(stream);
+}
+
+static void stream_run(struct recorder *recorder, int64_t *repeated)
+{
+    struct record_stream *stream = NULL;
+    struct bus bus;
+    recorder_start(recorder);
+    must(bus_open(&bus, NULL));
+    must(record_stream_create(&stream, &bus, RUN, 60));
+    must(run_publish(stream));
+    assert_int_equal(record_stream_waiting(stream), 0);
+    assert_int_equal(record_stream_total(stream, RECORD_SAMPLE), 60);
+    assert_int_equal(record_stream_total(stream, RECORD_END), 1);
+    *repeated = record_stream_repeated(stream);
+    recorder_stop(recorder);
+    for (int c = 0; c < RECORD_CHANNELS; c++)
+        assert_int_equal(recorder->next_seq[c], record_stream_total(stream, (enum record_channel)c));
+    record_stream_free(stream);
+    bus_close(&bus);
+}
+
+static void stream_arrives(void **unused)
+{
+    struct recorder recorder = {0};
+    int64_t repeated;
+    (void)unused;
+    stream_run(&recorder, &repeated);
+    print_message("no loss: %lld records repeated\n", (long long)repeated);
+}
+
+/* Every 7th record and every 3rd acknowledgement lost. A round of 100 ms moves at least one record on, and most rounds
+ * several; 60 s are 600 rounds for 63 records. */
+static void stream_survives_loss(void **unused)
+{
+    struct recorder recorder = {.drop_every = 7, .drop_ack_every = 3};
+    int64_t repeated;
+    (void)unused;
+    stream_run(&recorder, &repeated);
+    print_message("every 7th lost: %lld of 63 records repeated\n", (long long)repeated);
+    assert_true(repeated >= 63 / 7); /* each loss costs at least the lost one */
+}
+
+/* Without a recorder: 128 kB leave, no more; then STATUS_TIMEOUT that names the recorder, in time. */
+static void stream_gives_up(void **unused)
+{
+    struct recorder recorder = {.silent = true};
+    struct record_stream *stream = NULL;
+    struct bus bus;
+    (void)unused;
+    must(bus_open(&bus, NULL));
+    must(record_stream_create(&stream, &bus, RUN, 0.5));
+    double start_s = clock_now_s();
+    for (int k = 0; k < 10; k++)
+        must(record_publish(stream, RECORD_FRAME_CONTACTS, 50000));
+    must(bus_open(&recorder.bus, NULL));
+    assert_int_equal(record_stream_waiting(stream), 10);
+    assert_int_equal(record_stream_flush(stream), STATUS_TIMEOUT);
+    assert_non_null(strstr(status_message(), "recorder of run 4711"));
+    assert_true(clock_now_s() - start_s < 10); /* of 0.5 s */
+    assert_true(record_stream_repeated(stream) >= 3 && record_stream_repeated(stream) % 2 == 0);
+    record_stream_free(stream);
+    bus_close(&recorder.bus);
+    bus_close(&bus);
+}
+
+static void stream_keeps_its_window(void **unused)
+{
+    struct record_stream *stream = NULL;
+    struct bus bus, listener;
+    int count = 0;
+    (void)unused;
+    must(bus_open(&listener, NULL));
+    must(bus_subscribe(&listener, "FRAME_CONTACTS", count_message, &count));
+    must(bus_open(&bus, NULL));
+    must(record_stream_create(&stream, &bus, RUN, 30));
+    for (int k = 0; k < 10; k++)
+        must(record_publish(stream, RECORD_FRAME_CONTACTS, 50000));
+    drain(&listener, 200);
+    /* 2 x 50 kB fit into 128 kB, 3 do not; if this took over 100 ms the same two may have been repeated. */
+    assert_int_equal(count, 2 + record_stream_repeated(stream));
+    record_stream_free(stream);
+    bus_close(&listener);
+    bus_close(&bus);
+}
+
+static void stream_hears_of_a_full_disk(void **unused)
+{
+    struct recorder recorder = {.failed = true};
+    struct record_stream *stream = NULL;
+    struct bus bus;
+    (void)unused;
+    recorder_start(&recorder);
+    must(bus_open(&bus, NULL));
+    must(record_stream_create(&stream, &bus, RUN, 60));
+    assert_int_equal(run_publish(stream), STATUS_IO);
+    assert_non_null(strstr(status_message(), "disk full"));
+    assert_int_equal(record_publish(stream, RECORD_SAMPLE, 100), STATUS_IO); /* and it stays so */
+    recorder_stop(&recorder);
+    record_stream_free(stream);
+    bus_close(&bus);
+}
+
+/* Acknowledgements of another run, of what was never sent, and of the wrong form must not count. */
+static void stream_believes_only_its_recorder(void **unused)
+{
+    struct recorder liar = {0};
+    struct record_stream *stream = NULL;
+    struct bus bus;
+    unsigned char bytes[256] = {0};
+    int64_t counts[7] = {1, 1, 1, 1, 1, 1, 1};
+    shakedown_record_ack_t ack = {.run_id = RUN, .n_channels = 7, .next_seq = counts, .complete = 1};
+    (void)unused;
+    must(bus_open(&liar.bus, NULL));
+    must(bus_open(&bus, NULL));
+    must(record_stream_create(&stream, &bus, RUN, 0.4));
+    must(record_publish(stream, RECORD_SAMPLE, 1000));
+    liar.next_seq[RECORD_SAMPLE] = 1;
+    ack_send(&liar, RUN + 1, true);
+    liar.next_seq[RECORD_SAMPLE] = 2;
+    ack_send(&liar, RUN, true);
+    int size = shakedown_record_ack_t_encode(bytes, 0, sizeof bytes, &ack);
+    must(bus_publish(&liar.bus, CHANNEL_RECORD_ACK, bytes, (size_t)size));
+    bytes[8 + 32] = 0x20; /* the count */
+    must(bus_publish(&liar.bus, CHANNEL_RECORD_ACK, bytes, (size_t)size));
+    must(bus_publish(&liar.bus, CHANNEL_RECORD_ACK, bytes, 3));
+    assert_int_equal(record_stream_flush(stream), STATUS_TIMEOUT);
+    assert_int_equal(record_stream_waiting(stream), 1);
+    assert_false(liar.damaged);
+    record_stream_free(stream);
+    bus_close(&liar.bus);
+    bus_close(&bus);
+}
+
+static void stream_checks_its_records(void **unused)
+{
+    static unsigned char bytes[BUS_MESSAGE_MAX + 1];
+    struct record_stream *stream = NULL;
+    struct bus bus;
+    (void)unused;
+    must(bus_open(&bus, NULL));
+    must(record_stream_create(&stream, &bus, RUN + 1, 1));
+    assert_int_equal(record_publish(stream, RECORD_SAMPLE, 100), STATUS_FORMAT); /* run_id */
+    record_stream_free(stream);
+    must(record_stream_create(&stream, &bus, RUN, 1));
+    assert_int_equal(record_stream_publish(stream, RECORD_SAMPLE, bytes, record_make(0, 1, 100, bytes)), STATUS_FORMAT);
+    assert_int_equal(record_stream_publish(stream, RECORD_SAMPLE, bytes, 10), STATUS_FORMAT);
+    assert_int_equal(record_stream_publish(stream, RECORD_SAMPLE, bytes, sizeof bytes), STATUS_LIMIT);
+    assert_int_equal(record_stream_total(stream, RECORD_SAMPLE), 0);
+    record_stream_free(stream);
+    bus_close(&bus);
+}
+
+static void stream_into_a_log_waits_for_nobody(void **unused)
+{
+    char path[64], url[96];
+    struct record_stream *stream = NULL;
+    struct bus bus;
+    (void)unused;
+    temporary_path(path);
+    snprintf(url, sizeof url, "file://%s?mode=w", path);
+    must(bus_open(&bus, url));
+    must(record_stream_create(&stream, &bus, RUN, 0.1));
+    must(run_publish(stream));
+    assert_int_equal(record_stream_waiting(stream), 0);
+    record_stream_free(stream);
+    bus_close(&bus);
+    snprintf(url, sizeof url, "file://%s", path);
+    must(bus_open(&bus, url));
+    assert_int_equal(drain(&bus, 0), 63);
+    bus_close(&bus);
+    assert_int_equal(unlink(path), 0);
+}
+
+/* ---- signals and command line ---- */
+
+static void signals_are_taken_even_if_ignored(void **unused)
+{
+    sigset_t set;
+    (void)unused;
+    assert_true(signal(SIGINT, SIG_IGN) != SIG_ERR);
+    assert_int_equal(sigemptyset(&set), 0);
+    assert_int_equal(sigaddset(&set, SIGTERM), 0);
+    assert_int_equal(sigprocmask(SIG_BLOCK, &set, NULL), 0);
+    assert_false(stop_requested());
+    must(signals_install());
+    assert_int_equal(raise(SIGINT), 0);
+    assert_true(stop_requested());
+    assert_int_equal(raise(SIGTERM), 0);
+    assert_int_equal(stop_request_count(), 2);
+}
+
+static enum status parse(struct command_line *line, const char **value, bool *flag, int argc, const char *const *words)
+{
+    char *argv[16] = {(char *)"program"};
+    const struct command_line_option own[] = {{"log", value, NULL}, {"quick", NULL, flag}, {NULL, NULL, NULL}};
+    for (int k = 0; k < argc; k++)
+        argv[k + 1] = (char *)words[k];
+    return command_line_parse(line, argc + 1, argv, own);
+}
+#define PARSE(...)                                                                                                     \
+    parse(&line, &value, &flag, sizeof((const char *[]){__VA_ARGS__}) / sizeof(char *), (const char *[]){__VA_ARGS__})
+
+static void command_lines_are_parsed(void **unused)
+{
+    struct command_line line;
+    const char *value = NULL;
+    bool flag = false;
+    (void)unused;
+    must(PARSE("scene.cfg", "--set", "a.b=1", "--seed=5000000000", "--run-id", "-3", "--lcm", "memq://", "--quick",
+               "--log=x"));
+    assert_int_equal(line.n_positional, 1);
+    assert_string_equal(line.positional[0], "scene.cfg");
+    assert_int_equal(line.n_overrides, 2);
+    assert_string_equal(line.override[0], "a.b=1");
+    assert_string_equal(line.override[1], "seed=5000000000L");
+    assert_true(line.run_id_given && line.run_id == -3 && flag);
+    assert_string_equal(line.lcm_url, "memq://");
+    assert_string_equal(value, "x");
+    must(PARSE("--help"));
+    assert_true(line.help && !line.run_id_given);
+}
+
+static void wrong_command_lines_are_refused(void **unused)
+{
+    struct command_line line;
+    const char *value = NULL;
+    bool flag = false;
+    (void)unused;
+    assert_int_equal(PARSE("--nonsense"), STATUS_USAGE);
+    assert_int_equal(PARSE("--run-id", "12x"), STATUS_USAGE);
+    assert_int_equal(PARSE("--run-id", "99999999999999999999"), STATUS_USAGE);
+    assert_int_equal(PARSE("--run-id"), STATUS_USAGE);
+    assert_int_equal(PARSE("--seed", ""), STATUS_USAGE);
+    assert_int_equal(PARSE("--seed", "1", "--seed", "2"), STATUS_USAGE);
+    assert_int_equal(PARSE("--set", "novalue"), STATUS_USAGE);
+    assert_int_equal(PARSE("--quick=1"), STATUS_USAGE);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(publish_has_a_limit),
+        cmocka_unit_test(a_burst_fits_the_queue),
+        cmocka_unit_test(channels_are_names_not_patterns),
+        cmocka_unit_test(two_buses_talk),
+        cmocka_unit_test(a_missing_route_is_named),
+        cmocka_unit_test(wrong_urls_are_refused),
+        cmocka_unit_test(a_log_ends_without_an_error),
+        cmocka_unit_test(a_full_disk_is_noticed),
+        cmocka_unit_test(a_signal_ends_a_wait),
+        cmocka_unit_test(walls_survive_the_bus),
+        cmocka_unit_test(hostile_messages_are_refused),
+        cmocka_unit_test(stream_arrives),
+        cmocka_unit_test(stream_survives_loss),
+        cmocka_unit_test(stream_gives_up),
+        cmocka_unit_test(stream_keeps_its_window),
+        cmocka_unit_test(stream_hears_of_a_full_disk),
+        cmocka_unit_test(stream_believes_only_its_recorder),
+        cmocka_unit_test(stream_checks_its_records),
+        cmocka_unit_test(stream_into_a_log_waits_for_nobody),
+        cmocka_unit_test(signals_are_taken_even_if_ignored),
+        cmocka_unit_test(command_lines_are_parsed),
+        cmocka_unit_test(wrong_command_lines_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
