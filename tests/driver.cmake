@@ -3,3 +3,15 @@ add_executable(test_progress test_progress.c)
 target_link_libraries(test_progress PRIVATE shakedown_progress PkgConfig::CMOCKA)
 add_test(NAME progress COMMAND test_progress)
 set_tests_properties(progress PROPERTIES LABELS unit TIMEOUT 30)
+
+# Cases with fakes in place of the processes: quick, and every way in which one may end.
+foreach(case usage run broken_scene ports interrupt hang failure url private)
+  add_test(NAME driver_fake_${case} COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_driver.sh fake_${case})
+  set_tests_properties(driver_fake_${case} PROPERTIES LABELS unit TIMEOUT 60)
+endforeach()
+
+# The real processes on scenes/quick.cfg.
+foreach(case run in_process broken_scene two_runs interrupt kill_sim private)
+  add_test(NAME driver_${case} COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_driver.sh ${case})
+  set_tests_properties(driver_${case} PROPERTIES LABELS pipeline TIMEOUT 120 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
+endforeach()

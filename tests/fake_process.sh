@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# Stands for every process of a run in the tests of the driver. What it does is said by FAKE_SIM, FAKE_WALLCTL,
+# FAKE_RECORDER: ok (default), fail (exit code 10 and a message), wait (until SIGINT), hang (SIGINT changes nothing).
+# The pipe FAKE_PIPE stands for the bus: its one message is sim's END, for the recorder.
+trap 'exit 130' INT # at once: bash loses one that comes during a command
+name=${0##*/}
+arguments=("$@")
+
+argument_after() { # OPTION
+    local k
+    for k in "${!arguments[@]}"; do
+        [ "${arguments[k]}" != "$1" ] || echo "${arguments[k + 1]}"
+    done
+}
+
+# Until SIGINT or a line in the pipe; bounded, so that a failed test leaves nothing behind.
+stay() { # PIPE
+    exec {pipe}<>"$1"
+    read -r -t 60 -u "$pipe" _
+}
+
+say_end() {
+    echo end >"$FAKE_PIPE"
+}
+
+check_scene() {
+    grep -n broken "$1" >/dev/null || exit 0
+    echo "sim: error: $1:$(grep -n broken "$1" | cut -d: -f1): broken: unknown key" >&2
+    exit 3
+}
+
+case " $* " in *" --check "*) check_scene "$1" ;; esac
+variable=FAKE_${name^^}
+behaviour=${!variable:-ok}
+echo "$name $*"
+echo "namespace $(readlink /proc/self/ns/net)"
+[ "$name" != recorder ] || echo fake >"$(argument_after --out)/run.h5"
+
+silence=$FAKE_PIPE.silence # nobody writes to it
+case $behaviour in
+    fail)
+        echo "$name: error: it was told to" >&2
+        exit 10
+        ;;
+    hang)
+        trap '' INT
+        stay "$silence"
+        exit 0
+        ;;
+esac
+case $name in
+    sim)
+        trap 'say_end; exit 130' INT
+        [ "$behaviour" = ok ] || stay "$silence"
+        say_end
+        ;;
+    wallctl)
+        trap 'exit 130' TERM
+        stay "$silence"
+        ;;
+    recorder)
+        stay "$FAKE_PIPE"
+        ;;
+    analyzer)
+        echo "a table of $1"
+        ;;
+esac
+exit 0
