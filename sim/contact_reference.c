@@ -1,3 +1,6 @@
-/* Scalar kernels: the reference of the vector ones. */
+/* The kernels one contact at a time: the reference of the vector ones. */
+#include "sim/contacts.h"
+#include "sim/lanes_reference.h"
+
 #define ISA reference
 #include "sim/contact_models.h"

@@ -1,252 +1,273 @@
 /* Force kernels, written once and compiled for each model and instruction set. The including file defines
- *   ISA         part of the names
+ *   ISA         part of the names; lanes_<ISA>.h is included before: `real` holds LANES contacts
  *   DIM         2 | 3
  *   HYSTERETIC  0 | 1
  *   FRICTIONAL  0 | 1
+ * Every contact's arithmetic is the same in every lane and instruction set, so forces and histories are the same bits;
+ * only the sums of the losses differ in their order. There are no branches: open candidates select zeros.
  *
  * Tangential law [D eq. 2-4], second order in time: the spring is kept at the middle of the step, xi(k+1/2) =
  * xi(k-1/2) + v_t(k) dt, and brought to the step's end by xi(k) = xi(k-1/2) + v_t(k) dt/2, with v_t from velocities
  * predicted for the same time as the positions (no half-step lag). */
-#include <stdint.h>
 
-#include "sim/contact_law.h"
-
-#define NAME_(stem, isa, dim, h, f) stem##_##isa##_##dim##_##h##_##f
+#undef NAME_
+#undef NAME__
+#undef NAME
+#undef SPRINGS
+#define NAME_(stem, isa, dim, h, f)  stem##_##isa##_##dim##_##h##_##f
 #define NAME__(stem, isa, dim, h, f) NAME_(stem, isa, dim, h, f)
-#define NAME(stem) NAME__(stem, ISA, DIM, HYSTERETIC, FRICTIONAL)
+#define NAME(stem)                   NAME__(stem, ISA, DIM, HYSTERETIC, FRICTIONAL)
 
-/* One contact: geometry and velocities in, force and moment out; history, spring and state change in place.
- * n: normal, g: relative velocity v_i - v_j of the centres, w: a_i omega_i + a_j omega_j, spin: (omega_i + omega_j)/2.
- * `active` is 0 for open candidates: everything is then reset to zero. */
-CONTACT_INLINE void NAME(contact)(const struct contact_law_constants *law, double delta, const double *n,
-                                  const double *g, const double *w, const double *spin, double *history,
-                                  double *spring, int32_t *sliding, double *f, double *moment,
-                                  struct contact_losses *lost)
-{
-    int active = delta > 0;
-    double u = g[0] * n[0] + g[1] * n[1];
-#if DIM == 3
-    u += g[2] * n[2];
-#endif
-#if HYSTERETIC
-    double elastic = hysteretic_force(law, delta, *history);
-    double after = active ? hysteretic_history(law, delta, *history) : 0.0;
-    lost->hysteresis = hysteretic_loss(law, *history, after);
-    *history = after;
-#else
-    (void)history;
-    lost->hysteresis = 0;
-    double elastic = law->k1 * delta;
-#endif
-    double normal_force = elastic - law->gamma_n * u;
-    lost->viscous_normal = active ? law->gamma_n * u * u * law->dt : 0.0;
-    for (int c = 0; c < DIM; c++)
-        f[c] = active ? normal_force * n[c] : 0.0;
-    lost->viscous_tangential = 0;
-    lost->friction = 0;
-#if !FRICTIONAL
-    (void)w;
-    (void)spin;
-    (void)spring;
-    (void)sliding;
-    (void)moment;
-#else
-    double limit = friction_normal_force(law, normal_force, delta);
-    double half = 0.5 * law->dt;
-#if DIM == 2
-    /* tangent (-n1, n0); the spring is a number along it, so a rotating pair carries it along by itself */
-    double vt[1] = {g[1] * n[0] - g[0] * n[1] - w[0]};
-    double before[1] = {spring[0]};
-    double xi[1] = {spring[0] + half * vt[0]};
-    enum { T = 1 };
-    (void)spin;
-#else
-    /* v_t = g + n x w - u n */
-    double vt[3] = {g[0] + (n[1] * w[2] - n[2] * w[1]) - u * n[0], g[1] + (n[2] * w[0] - n[0] * w[2]) - u * n[1],
-                    g[2] + (n[0] * w[1] - n[1] * w[0]) - u * n[2]};
-    /* into the tangent plane of today, turned with the pair's mean spin about n, length kept */
-    double along = spring[0] * n[0] + spring[1] * n[1] + spring[2] * n[2];
-    double length2 = spring[0] * spring[0] + spring[1] * spring[1] + spring[2] * spring[2];
-    double p[3] = {spring[0] - along * n[0], spring[1] - along * n[1], spring[2] - along * n[2]};
-    double twist = law->dt * (spin[0] * n[0] + spin[1] * n[1] + spin[2] * n[2]);
-    double before[3] = {p[0] + twist * (n[1] * p[2] - n[2] * p[1]), p[1] + twist * (n[2] * p[0] - n[0] * p[2]),
-                        p[2] + twist * (n[0] * p[1] - n[1] * p[0])};
-    double projected2 = before[0] * before[0] + before[1] * before[1] + before[2] * before[2];
-    double scale = projected2 > 0 ? sqrt(length2 / projected2) : 0.0;
-    for (int c = 0; c < 3; c++)
-        before[c] *= scale;
-    double xi[3] = {before[0] + half * vt[0], before[1] + half * vt[1], before[2] + half * vt[2]};
-    enum { T = 3 };
-#endif
-    double test[T], test2 = 0;
-    for (int c = 0; c < T; c++) {
-        test[c] = -law->kt * xi[c] - law->gamma_t * vt[c];
-        test2 += test[c] * test[c];
-    }
-    double size = sqrt(test2);
-    double bound = (*sliding ? law->mu_d : law->mu_s) * limit;
-    int slides = active & (size > bound);
-    double factor = slides ? law->mu_d * limit / size : 1.0;
-    double ft[T], viscous = 0, friction = 0, stored2 = 0;
-    for (int c = 0; c < T; c++) {
-        ft[c] = test[c] * factor;
-        double slid = -(ft[c] + law->gamma_t * vt[c]) * law->inv_kt;
-        double now = slides ? slid : xi[c];
-        double slip = xi[c] - now;
-        viscous += law->gamma_t * vt[c] * (vt[c] * law->dt - slip);
-        friction -= ft[c] * slip;
-        stored2 += before[c] * before[c];
-        spring[c] = active ? now + half * vt[c] : 0.0;
-    }
-    *sliding = slides;
-    lost->viscous_tangential = active ? viscous : 0.0;
-    lost->friction = active ? friction : 0.5 * law->kt * stored2; /* an opening contact loses what its spring held */
-    for (int c = 0; c < T; c++)
-        ft[c] = active ? ft[c] : 0.0;
-#if DIM == 2
-    f[0] -= ft[0] * n[1];
-    f[1] += ft[0] * n[0];
-    moment[0] = ft[0];
-#else
-    for (int c = 0; c < 3; c++)
-        f[c] += ft[c];
-    moment[0] = n[1] * ft[2] - n[2] * ft[1];
-    moment[1] = n[2] * ft[0] - n[0] * ft[2];
-    moment[2] = n[0] * ft[1] - n[1] * ft[0];
-#endif
-#endif
-}
+/* Components of the tangential spring, of rotations and of moments. */
+#define SPRINGS (2 * DIM - 3)
 
-/* What the pair kernel reads and writes, each array under its own restricted pointer. */
-struct NAME(view) {
-    const int32_t *restrict i, *restrict j;
-    const double *restrict radius;
-    const double *restrict x[DIM], *restrict v[DIM];
-    double *restrict force[DIM];
-    double *restrict history;
-#if FRICTIONAL
-    const double *restrict omega[2 * DIM - 3];
-    double *restrict spring[2 * DIM - 3], *restrict moment[2 * DIM - 3];
-    int32_t *restrict sliding;
-#endif
+/* What one set of contacts needs beyond geometry; history, spring and sliding change in place. */
+struct NAME(contact_state) {
+    real history, spring[3], sliding; /* sliding: 1 or 0 */
 };
 
-/* Candidate k: gathers both particles, applies the law, stores. */
-CONTACT_INLINE struct contact_losses NAME(pair_one)(const struct NAME(view) * view,
-                                                    const struct contact_law_constants *law, int k)
+struct NAME(contact_result) {
+    real force[DIM], moment[3];
+    real hysteresis, viscous_normal, viscous_tangential, friction; /* energy lost in this step */
+};
+
+#if FRICTIONAL
+/* Tangential part. n: normal, g: relative velocity of the centres, u = g.n, w: a_i omega_i + a_j omega_j, spin:
+ * (omega_i + omega_j)/2, normal_force and delta set the limit. */
+LANES_INLINE void NAME(tangential)(const struct contact_law_constants *law, mask active, real delta, real normal_force,
+                                   const real *n, const real *g, real u, const real *w, const real *spin,
+                                   struct NAME(contact_state) * state, struct NAME(contact_result) * result)
 {
-    int32_t i = view->i[k], j = view->j[k];
-    double d[DIM], n[DIM], g[DIM], f[DIM], d2 = 0;
-    for (int c = 0; c < DIM; c++) {
-        d[c] = view->x[c][i] - view->x[c][j];
-        g[c] = view->v[c][i] - view->v[c][j];
-        d2 += d[c] * d[c];
+    const real zero = real_all(0.0), dt = real_all(law->dt), half = real_all(0.5 * law->dt);
+    const real kt = real_all(law->kt), gamma_t = real_all(law->gamma_t), inv_kt = real_all(law->inv_kt);
+    real vt[SPRINGS], before[SPRINGS], xi[SPRINGS], test[SPRINGS], ft[SPRINGS];
+#if DIM == 2
+    /* tangent (-n1, n0); the spring is a number along it, so a rotating pair carries it along by itself */
+    (void)u;
+    (void)spin;
+    vt[0] = g[1] * n[0] - g[0] * n[1] - w[0];
+    before[0] = state->spring[0];
+#else
+    /* v_t = g + n x w - u n */
+    vt[0] = g[0] + (n[1] * w[2] - n[2] * w[1]) - u * n[0];
+    vt[1] = g[1] + (n[2] * w[0] - n[0] * w[2]) - u * n[1];
+    vt[2] = g[2] + (n[0] * w[1] - n[1] * w[0]) - u * n[2];
+    /* into the tangent plane of today [D], turned with the pair's mean spin about n, length kept */
+    const real *s = state->spring;
+    real along = s[0] * n[0] + s[1] * n[1] + s[2] * n[2];
+    real length2 = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
+    real p[3] = {s[0] - along * n[0], s[1] - along * n[1], s[2] - along * n[2]};
+    real twist = dt * (spin[0] * n[0] + spin[1] * n[1] + spin[2] * n[2]);
+    before[0] = p[0] + twist * (n[1] * p[2] - n[2] * p[1]);
+    before[1] = p[1] + twist * (n[2] * p[0] - n[0] * p[2]);
+    before[2] = p[2] + twist * (n[0] * p[1] - n[1] * p[0]);
+    real turned2 = before[0] * before[0] + before[1] * before[1] + before[2] * before[2];
+    real scale = real_select(mask_greater(turned2, zero), real_sqrt(length2 / turned2), zero);
+    for (int c = 0; c < 3; c++)
+        before[c] = before[c] * scale;
+#endif
+    real test2 = zero, stored2 = zero, viscous = zero, friction = zero;
+    for (int c = 0; c < SPRINGS; c++) {
+        xi[c] = before[c] + half * vt[c];
+        test[c] = -kt * xi[c] - gamma_t * vt[c];
+        test2 = test2 + test[c] * test[c];
+        stored2 = stored2 + before[c] * before[c];
     }
-    double distance = sqrt(d2);
-    double delta = view->radius[i] + view->radius[j] - distance;
-    double inverse = 1 / distance;
-    for (int c = 0; c < DIM; c++)
-        n[c] = d[c] * inverse;
-    double history = 0, w[3] = {0}, spin[3] = {0}, s[3] = {0}, m[3] = {0};
-    int32_t slides = 0;
-    struct contact_losses lost;
+    /* friction is limited by the normal force above the adhesion branch, never below 0 (docs/theory.md) */
+    real limit = real_larger(zero, normal_force + real_all(law->kc) * delta);
+    real size = real_sqrt(test2);
+    real mu = real_select(mask_greater(state->sliding, zero), real_all(law->mu_d), real_all(law->mu_s));
+    mask slides = mask_and(active, mask_greater(size, mu * limit));
+    real factor = real_select(slides, real_all(law->mu_d) * limit / size, real_all(1.0));
+    for (int c = 0; c < SPRINGS; c++) {
+        ft[c] = test[c] * factor;
+        real slid = -(ft[c] + gamma_t * vt[c]) * inv_kt;
+        real now = real_select(slides, slid, xi[c]);
+        real slip = xi[c] - now;
+        viscous = viscous + gamma_t * vt[c] * (vt[c] * dt - slip);
+        friction = friction - ft[c] * slip;
+        state->spring[c] = real_select(active, now + half * vt[c], zero);
+        ft[c] = real_select(active, ft[c], zero);
+    }
+    state->sliding = real_select(slides, real_all(1.0), zero);
+    result->viscous_tangential = real_select(active, viscous, zero);
+    /* an opening contact loses what its spring held */
+    result->friction = real_select(active, friction, real_all(0.5) * kt * stored2);
+#if DIM == 2
+    result->force[0] = result->force[0] - ft[0] * real_select(active, n[1], zero);
+    result->force[1] = result->force[1] + ft[0] * real_select(active, n[0], zero);
+    result->moment[0] = ft[0];
+#else
+    for (int c = 0; c < 3; c++)
+        result->force[c] = result->force[c] + ft[c];
+    result->moment[0] = real_select(active, n[1] * ft[2] - n[2] * ft[1], zero);
+    result->moment[1] = real_select(active, n[2] * ft[0] - n[0] * ft[2], zero);
+    result->moment[2] = real_select(active, n[0] * ft[1] - n[1] * ft[0], zero);
+#endif
+}
+#endif
+
+/* One set of contacts: geometry and velocities in, forces out. Arguments as of `tangential`. */
+LANES_INLINE struct NAME(contact_result)
+    NAME(contact)(const struct contact_law_constants *law, real delta, const real *n, const real *g, const real *w,
+                  const real *spin, struct NAME(contact_state) * state)
+{
+    struct NAME(contact_result) result;
+    const real zero = real_all(0.0), gamma_n = real_all(law->gamma_n);
+    mask active = mask_greater(delta, zero);
+    real u = g[0] * n[0] + g[1] * n[1];
+#if DIM == 3
+    u = u + g[2] * n[2];
+#endif
+    real loading = real_all(law->k1) * delta;
 #if HYSTERETIC
-    history = view->history[k];
+    /* [LH eq. 1.6]: loading k1 delta, un- and reloading k2 (delta - delta_0), adhesion branch -kc delta */
+    real unloading = real_all(law->k2) * delta - real_all(law->k2_minus_k1) * state->history;
+    real adhesion = -real_all(law->kc) * delta;
+    real elastic = real_larger(adhesion, real_smaller(loading, unloading));
+    real moved = real_select(mask_at_least(adhesion, unloading), real_all(law->branch_ratio) * delta, state->history);
+    real after = real_select(mask_at_least(unloading, loading), delta, moved);
+    after = real_select(active, after, zero);
+    real change = after * after - state->history * state->history;
+    result.hysteresis = real_select(mask_greater(change, zero), real_all(law->loading_loss) * change,
+                                    -real_all(law->adhesion_loss) * change);
+    state->history = after;
+#else
+    real elastic = loading;
+    result.hysteresis = zero;
 #endif
-#if FRICTIONAL
-    slides = view->sliding[k];
-    for (int c = 0; c < 2 * DIM - 3; c++) {
-        s[c] = view->spring[c][k];
-        w[c] = view->radius[i] * view->omega[c][i] + view->radius[j] * view->omega[c][j];
-        spin[c] = 0.5 * (view->omega[c][i] + view->omega[c][j]);
-    }
-#endif
-    NAME(contact)(law, delta, n, g, w, spin, &history, s, &slides, f, m, &lost);
+    real normal_force = elastic - gamma_n * u;
+    result.viscous_normal = real_select(active, gamma_n * u * u * real_all(law->dt), zero);
+    result.viscous_tangential = result.friction = zero;
     for (int c = 0; c < DIM; c++)
-        view->force[c][k] = f[c];
-#if HYSTERETIC
-    view->history[k] = history;
-#endif
+        result.force[c] = real_select(active, normal_force * n[c], zero);
 #if FRICTIONAL
-    for (int c = 0; c < 2 * DIM - 3; c++) {
-        view->spring[c][k] = s[c];
-        view->moment[c][k] = m[c];
-    }
-    view->sliding[k] = slides;
+    NAME(tangential)(law, active, delta, normal_force, n, g, u, w, spin, state, &result);
+#else
+    (void)w;
+    (void)spin;
+    (void)state;
 #endif
-    return lost;
+    return result;
 }
 
-static void NAME(pair)(const struct particles *particles, struct contact_list *pairs,
+LANES_INLINE struct NAME(contact_state) NAME(state_load)(const struct contact_list *list, int k)
+{
+    struct NAME(contact_state) state = {0};
+    (void)list;
+    (void)k;
+#if HYSTERETIC
+    state.history = real_load(list->history + k);
+#endif
+#if FRICTIONAL
+    state.sliding = real_load(list->sliding + k);
+    for (int c = 0; c < SPRINGS; c++)
+        state.spring[c] = real_load(list->spring[c] + k);
+#endif
+    return state;
+}
+
+LANES_INLINE void NAME(store)(struct contact_list *list, int k, const struct NAME(contact_state) * state,
+                              const struct NAME(contact_result) * result)
+{
+    (void)state;
+    for (int c = 0; c < DIM; c++)
+        real_store(list->force[c] + k, result->force[c]);
+#if HYSTERETIC
+    real_store(list->history + k, state->history);
+#endif
+#if FRICTIONAL
+    real_store(list->sliding + k, state->sliding);
+    for (int c = 0; c < SPRINGS; c++) {
+        real_store(list->spring[c] + k, state->spring[c]);
+        real_store(list->moment[c] + k, result->moment[c]);
+    }
+#endif
+}
+
+/* Sums of the losses, one per lane. */
+struct NAME(sums) {
+    real hysteresis, viscous_normal, viscous_tangential, friction;
+};
+
+LANES_INLINE void NAME(sums_add)(struct NAME(sums) * sums, const struct NAME(contact_result) * result)
+{
+    sums->hysteresis = sums->hysteresis + result->hysteresis;
+    sums->viscous_normal = sums->viscous_normal + result->viscous_normal;
+    sums->viscous_tangential = sums->viscous_tangential + result->viscous_tangential;
+    sums->friction = sums->friction + result->friction;
+}
+
+LANES_INLINE void NAME(sums_close)(const struct NAME(sums) * sums, struct contact_losses *losses)
+{
+    losses->hysteresis += real_sum(sums->hysteresis);
+    losses->viscous_normal += real_sum(sums->viscous_normal);
+    losses->viscous_tangential += real_sum(sums->viscous_tangential);
+    losses->friction += real_sum(sums->friction);
+}
+
+static void NAME(pair)(const struct particles *p, struct contact_list *pairs,
                        const struct contact_law_constants *law_in, struct contact_losses *losses)
 {
     const struct contact_law_constants law = *law_in;
-    struct NAME(view) view = {.i = pairs->i, .j = pairs->j, .radius = particles->radius, .history = pairs->history};
-    for (int c = 0; c < DIM; c++) {
-        view.x[c] = particles->x[c];
-        view.v[c] = particles->v[c];
-        view.force[c] = pairs->force[c];
-    }
+    struct NAME(sums) sums = {real_all(0.0), real_all(0.0), real_all(0.0), real_all(0.0)};
+    for (int k = 0; k < pairs->count; k += LANES) {
+        indices i = indices_load(pairs->i + k), j = indices_load(pairs->j + k);
+        real d[DIM], n[DIM], g[DIM], w[3] = {0}, spin[3] = {0}, d2 = real_all(0.0);
+        for (int c = 0; c < DIM; c++) {
+            d[c] = real_gather(p->x[c], i) - real_gather(p->x[c], j);
+            g[c] = real_gather(p->v[c], i) - real_gather(p->v[c], j);
+            d2 = d2 + d[c] * d[c];
+        }
+        real a_i = real_gather(p->radius, i), a_j = real_gather(p->radius, j);
+        real distance = real_sqrt(d2);
+        real inverse = real_all(1.0) / distance;
+        for (int c = 0; c < DIM; c++)
+            n[c] = d[c] * inverse;
 #if FRICTIONAL
-    for (int c = 0; c < 2 * DIM - 3; c++) {
-        view.omega[c] = particles->omega[c];
-        view.spring[c] = pairs->spring[c];
-        view.moment[c] = pairs->moment[c];
-    }
-    view.sliding = pairs->sliding;
+        for (int c = 0; c < SPRINGS; c++) {
+            real o_i = real_gather(p->omega[c], i), o_j = real_gather(p->omega[c], j);
+            w[c] = a_i * o_i + a_j * o_j;
+            spin[c] = real_all(0.5) * (o_i + o_j);
+        }
 #endif
-    struct contact_losses sum = {0};
-    const int count = pairs->count;
-    for (int k = 0; k < count; k++) {
-        struct contact_losses lost = NAME(pair_one)(&view, &law, k);
-        contact_losses_add(&sum, &lost);
+        struct NAME(contact_state) state = NAME(state_load)(pairs, k);
+        struct NAME(contact_result) result =
+            NAME(contact)(&law, a_i + a_j - distance, n, g, w, spin, &state);
+        NAME(store)(pairs, k, &state, &result);
+        NAME(sums_add)(&sums, &result);
     }
-    contact_losses_add(losses, &sum);
+    NAME(sums_close)(&sums, losses);
 }
 
-/* The same law against flat walls: delta = a - distance, the wall does not rotate and moves along its normal. */
-static void NAME(wall)(const struct particles *particles, struct contact_list *contacts, struct wall *walls, int n_walls,
-                       const struct contact_law_constants *law, struct contact_losses *losses)
+/* The same law against one flat wall: delta = a - distance; the wall moves along its normal and does not rotate. */
+static void NAME(wall)(const struct particles *p, struct wall *wall, const struct contact_law_constants *law_in,
+                       struct contact_losses *losses)
 {
-    for (int w = 0; w < n_walls; w++)
-        walls[w].force = 0;
-    for (int k = 0; k < contacts->count; k++) {
-        int32_t i = contacts->i[k];
-        struct wall *wall = &walls[contacts->j[k]];
-        double n[DIM] = {0}, g[DIM], f[DIM];
-        n[wall->axis] = wall->inward;
+    struct contact_list *contacts = &wall->contacts;
+    const struct contact_law_constants law = *law_in;
+    struct NAME(sums) sums = {real_all(0.0), real_all(0.0), real_all(0.0), real_all(0.0)};
+    real n[DIM], inward = real_all(wall->inward);
+    for (int c = 0; c < DIM; c++)
+        n[c] = real_all(c == wall->axis ? wall->inward : 0.0);
+    for (int k = 0; k < contacts->count; k += LANES) {
+        indices i = indices_load(contacts->i + k);
+        real g[DIM], w[3] = {0}, spin[3] = {0};
         for (int c = 0; c < DIM; c++)
-            g[c] = particles->v[c][i];
-        g[wall->axis] -= wall->v;
-        double delta = particles->radius[i] - wall->inward * (particles->x[wall->axis][i] - wall->x);
-        double hist = 0, w[3] = {0}, spin[3] = {0}, s[3] = {0}, m[3] = {0};
-        int32_t slides = 0;
-        struct contact_losses lost;
-#if HYSTERETIC
-        hist = contacts->history[k];
-#endif
+            g[c] = real_gather(p->v[c], i) - real_all(c == wall->axis ? wall->v : 0.0);
+        real a_i = real_gather(p->radius, i);
+        real distance = inward * (real_gather(p->x[wall->axis], i) - real_all(wall->x));
 #if FRICTIONAL
-        slides = contacts->sliding[k];
-        for (int c = 0; c < (DIM == 2 ? 1 : 3); c++) {
-            s[c] = contacts->spring[c][k];
-            w[c] = particles->radius[i] * particles->omega[c][i];
-            spin[c] = 0.5 * particles->omega[c][i];
+        for (int c = 0; c < SPRINGS; c++) {
+            real o_i = real_gather(p->omega[c], i);
+            w[c] = a_i * o_i;
+            spin[c] = real_all(0.5) * o_i;
         }
 #endif
-        NAME(contact)(law, delta, n, g, w, spin, &hist, s, &slides, f, m, &lost);
-        for (int c = 0; c < DIM; c++)
-            contacts->force[c][k] = f[c];
-#if HYSTERETIC
-        contacts->history[k] = hist;
-#endif
-#if FRICTIONAL
-        for (int c = 0; c < (DIM == 2 ? 1 : 3); c++) {
-            contacts->spring[c][k] = s[c];
-            contacts->moment[c][k] = m[c];
-        }
-        contacts->sliding[k] = slides;
-#endif
-        wall->force += f[wall->axis] * wall->inward;
-        contact_losses_add(losses, &lost);
+        struct NAME(contact_state) state = NAME(state_load)(contacts, k);
+        struct NAME(contact_result) result = NAME(contact)(&law, a_i - distance, n, g, w, spin, &state);
+        NAME(store)(contacts, k, &state, &result);
+        NAME(sums_add)(&sums, &result);
     }
+    NAME(sums_close)(&sums, losses);
 }

@@ -22,7 +22,13 @@ const char *contact_isa_name(enum kernel_isa isa)
 
 bool contact_isa_supported(enum kernel_isa isa)
 {
+    __builtin_cpu_init();
     switch (isa) {
+    case ISA_avx2:
+        return __builtin_cpu_supports("avx2");
+    case ISA_avx512:
+        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+               __builtin_cpu_supports("avx512vl");
     default:
         return true;
     }
@@ -40,7 +46,7 @@ enum status contact_isa_select(enum kernel_isa *isa)
             return STATUS_OK;
         }
     }
-    return status_fail(STATUS_USAGE, "SHAKEDOWN_ISA=%s is unknown; allowed: reference", forced);
+    return status_fail(STATUS_USAGE, "SHAKEDOWN_ISA=%s is unknown; allowed: reference avx2 avx512", forced);
 }
 
 struct contact_kernels contact_kernels_select(enum kernel_isa isa, int dimension, bool hysteretic, bool frictional)
@@ -79,6 +85,7 @@ enum status contact_list_reserve(struct contact_list *list, int capacity, int di
 {
     if (capacity <= list->capacity)
         return STATUS_OK;
+    capacity = (capacity + ARRAY_PADDING - 1) / ARRAY_PADDING * ARRAY_PADDING;
     size_t size = (size_t)capacity, keep = (size_t)list->count;
     TRY(array_resize(&list->i, sizeof *list->i, size, keep));
     TRY(array_resize(&list->j, sizeof *list->j, size, keep));
@@ -94,6 +101,29 @@ enum status contact_list_reserve(struct contact_list *list, int capacity, int di
         TRY(array_resize(&list->sliding, sizeof *list->sliding, size, keep));
     list->capacity = capacity;
     return STATUS_OK;
+}
+
+void contact_losses_add(struct contact_losses *sum, const struct contact_losses *lost)
+{
+    sum->hysteresis += lost->hysteresis;
+    sum->viscous_normal += lost->viscous_normal;
+    sum->viscous_tangential += lost->viscous_tangential;
+    sum->friction += lost->friction;
+}
+
+void contact_list_pad(struct contact_list *list, int padding)
+{
+    enum { WIDEST = 8 };
+    for (int k = list->count; k < list->capacity && k % WIDEST != 0; k++) {
+        list->i[k] = padding;
+        list->j[k] = padding + 1;
+        if (list->hysteretic)
+            list->history[k] = 0;
+        if (list->n_springs)
+            list->sliding[k] = 0;
+        for (int c = 0; c < list->n_springs; c++)
+            list->spring[c][k] = 0;
+    }
 }
 
 void contact_list_free(struct contact_list *list)

@@ -27,14 +27,15 @@ struct contact_losses {
     double hysteresis, viscous_normal, viscous_tangential, friction;
 };
 
-/* Candidates for contact with their history, sorted by (i, j). Open candidates have zero history and force. */
+/* Candidates for contact with their history, sorted by (i, j). Open candidates have zero history and force. Arrays are
+ * filled up to a whole vector with pairs of the padding particles, which never touch. */
 struct contact_list {
     int count, capacity;
-    int32_t *i;       /* [count] */
-    int32_t *j;       /* [count] other particle, i < j; in the wall list: wall, grouped by wall */
-    double *history;  /* delta_max [m]; hysteretic law only */
+    int32_t *i;         /* [count] */
+    int32_t *j;         /* [count] other particle, i < j; in the list of a wall: the first padding particle */
+    double *history;    /* delta_max [m]; hysteretic law only */
     double *spring[3];  /* tangential spring at the middle of the step to come [m]: 1 component in 2D, 3 in 3D */
-    int32_t *sliding;   /* 1: slides */
+    double *sliding;    /* 1: slides, 0: sticks */
     double *force[3];   /* on i [N], dimension components */
     double *moment[3];  /* n x f_t [N]: torque on i is -a_i moment, on j -a_j moment; as many as spring */
     int n_springs;      /* 0 without friction */
@@ -47,12 +48,13 @@ struct wall {
     double x, v;   /* coordinate and velocity along the axis at the current step [m, m/s] */
     double force;  /* of the particles on it, outward [N] */
     double x_list; /* at the last rebuild of the lists */
+    struct contact_list contacts;
 };
 
 typedef void contact_pair_kernel(const struct particles *particles, struct contact_list *pairs,
                                  const struct contact_law_constants *law, struct contact_losses *losses);
-typedef void contact_wall_kernel(const struct particles *particles, struct contact_list *contacts, struct wall *walls,
-                                 int n_walls, const struct contact_law_constants *law, struct contact_losses *losses);
+typedef void contact_wall_kernel(const struct particles *particles, struct wall *wall,
+                                 const struct contact_law_constants *law, struct contact_losses *losses);
 
 struct contact_kernels {
     contact_pair_kernel *pair;
@@ -60,7 +62,7 @@ struct contact_kernels {
 };
 
 /* Instruction sets, in the order of preference. */
-#define KERNEL_ISA_LIST(X) X(reference)
+#define KERNEL_ISA_LIST(X) X(reference) X(avx2) X(avx512)
 enum kernel_isa {
 #define KERNEL_ISA_ENUM(name) ISA_##name,
     KERNEL_ISA_LIST(KERNEL_ISA_ENUM)
@@ -79,6 +81,12 @@ struct contact_kernels contact_kernels_select(enum kernel_isa isa, int dimension
 
 /* Constants of a stage; dt is set by the caller at each force evaluation. */
 struct contact_law_constants contact_law_constants_of(const struct scene_material *material);
+
+/* Adds the losses of `lost` to `sum`. */
+void contact_losses_add(struct contact_losses *sum, const struct contact_losses *lost);
+
+/* Completes the last vector with padding pairs: particles `padding` and `padding` + 1. */
+void contact_list_pad(struct contact_list *list, int padding);
 
 /* Makes room for `capacity` members; contents are kept. */
 enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension) MUST_USE;

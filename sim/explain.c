@@ -15,7 +15,7 @@ static size_t bytes_per_candidate(const struct contact_list *list, int dimension
 {
     size_t bytes = 2 * sizeof(int32_t) + (size_t)dimension * sizeof(double);
     bytes += list->hysteretic ? sizeof(double) : 0;
-    bytes += list->n_springs ? 2 * (size_t)list->n_springs * sizeof(double) + sizeof(int32_t) : 0;
+    bytes += list->n_springs ? (2 * (size_t)list->n_springs + 1) * sizeof(double) : 0;
     return bytes;
 }
 

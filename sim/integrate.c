@@ -8,8 +8,6 @@
 
 #include <math.h>
 
-#include "sim/contact_law.h"
-
 static void drift(struct particles *p, double dt)
 {
     const int count = p->count;
@@ -73,9 +71,10 @@ static void forces(struct world *world, double dt)
     struct contact_losses lost = {0};
     world->law.dt = dt;
     world->kernels.pair(&world->particles, &world->pairs, &world->law, &lost);
-    world->kernels.wall(&world->particles, &world->wall_contacts, world->walls, world->n_walls, &world->law, &lost);
+    for (int w = 0; w < world->n_walls; w++)
+        world->kernels.wall(&world->particles, &world->walls[w], &world->law, &lost);
     contact_losses_add(&world->ledger.contacts, &lost);
-    neighbor_sum_forces(&world->neighbor, &world->particles, &world->pairs, &world->wall_contacts);
+    neighbor_sum_forces(&world->particles, &world->pairs, world->walls, world->n_walls);
 }
 
 void integrate_forces_anew(struct world *world)
@@ -118,8 +117,7 @@ static enum status check_inside(const struct world *world)
 static enum status renew_lists(struct world *world)
 {
     TRY(check_inside(world));
-    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, &world->wall_contacts, world->walls,
-                          world->n_walls);
+    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls);
 }
 
 enum status world_step(struct world *world)

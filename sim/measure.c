@@ -35,11 +35,18 @@ static struct geometry wall_geometry(const struct particles *p, int i, const str
     return g;
 }
 
-static struct geometry geometry_of(const struct world *world, const struct contact_list *list, int k)
+/* List l of the world: 0 the pairs, 1 + w those of wall w. */
+static const struct contact_list *list_of(const struct world *world, int l)
 {
-    if (list == &world->pairs)
+    return l == 0 ? &world->pairs : &world->walls[l - 1].contacts;
+}
+
+static struct geometry geometry_of(const struct world *world, int l, int k)
+{
+    const struct contact_list *list = list_of(world, l);
+    if (l == 0)
         return pair_geometry(&world->particles, list->i[k], list->j[k]);
-    return wall_geometry(&world->particles, list->i[k], &world->walls[list->j[k]]);
+    return wall_geometry(&world->particles, list->i[k], &world->walls[l - 1]);
 }
 
 double measure_kinetic_energy_j(const struct world *world)
@@ -66,11 +73,12 @@ double measure_potential_energy_j(const struct world *world)
 }
 
 /* Spring at the current step: it is kept for the middle of the step to come. */
-static double spring_energy(const struct world *world, const struct contact_list *list, int k, const struct geometry *g)
+static double spring_energy(const struct world *world, int l, int k, const struct geometry *g)
 {
     const struct particles *p = &world->particles;
+    const struct contact_list *list = list_of(world, l);
     int i = list->i[k], j = list->j[k];
-    bool pair = list == &world->pairs;
+    bool pair = l == 0;
     double v[3] = {0}, w[3] = {0}, vt[3], sum = 0;
     for (int c = 0; c < p->dimension; c++)
         v[c] = p->v[c][i] - (pair ? p->v[c][j] : 0);
@@ -92,56 +100,58 @@ static double spring_energy(const struct world *world, const struct contact_list
     return 0.5 * world->law.kt * sum;
 }
 
-static void add_elastic(const struct world *world, const struct contact_list *list, struct elastic_energy *sum)
+static void add_elastic(const struct world *world, int l, struct elastic_energy *sum)
 {
+    const struct contact_list *list = list_of(world, l);
     for (int k = 0; k < list->count; k++) {
-        struct geometry g = geometry_of(world, list, k);
+        struct geometry g = geometry_of(world, l, k);
         if (!(g.overlap > 0))
             continue;
-        double f = list->hysteretic ? hysteretic_force(&world->law, g.overlap, list->history[k])
+        double f = list->hysteretic ? contact_elastic_force(&world->law, g.overlap, list->history[k])
                                     : world->law.k1 * g.overlap;
         sum->normal_j += f * f / (2 * world->law.k2);
         if (list->n_springs)
-            sum->tangential_j += spring_energy(world, list, k, &g);
+            sum->tangential_j += spring_energy(world, l, k, &g);
     }
 }
 
 struct elastic_energy measure_elastic_energy(const struct world *world)
 {
     struct elastic_energy sum = {0, 0};
-    add_elastic(world, &world->pairs, &sum);
-    add_elastic(world, &world->wall_contacts, &sum);
+    for (int l = 0; l <= world->n_walls; l++)
+        add_elastic(world, l, &sum);
     return sum;
 }
 
 void measure_wall_stiffness(const struct world *world, double *stiffness_n_per_m, double *damping_kg_per_s)
 {
-    const struct contact_list *list = &world->wall_contacts;
-    for (int w = 0; w < world->n_walls; w++)
-        stiffness_n_per_m[w] = damping_kg_per_s[w] = 0;
-    for (int k = 0; k < list->count; k++) {
-        const struct wall *wall = &world->walls[list->j[k]];
-        double distance = wall->inward * (world->particles.x[wall->axis][list->i[k]] - wall->x);
-        if (world->particles.radius[list->i[k]] > distance) {
-            stiffness_n_per_m[list->j[k]] += world->law.k2;
-            damping_kg_per_s[list->j[k]] += world->law.gamma_n;
+    for (int w = 0; w < world->n_walls; w++) {
+        const struct wall *wall = &world->walls[w];
+        const double *x = world->particles.x[wall->axis], *radius = world->particles.radius;
+        int touching = 0;
+        for (int k = 0; k < wall->contacts.count; k++) {
+            int i = wall->contacts.i[k];
+            touching += radius[i] > wall->inward * (x[i] - wall->x);
         }
+        stiffness_n_per_m[w] = touching * world->law.k2;
+        damping_kg_per_s[w] = touching * world->law.gamma_n;
     }
 }
 
 /* Contact stress, fabric, overlaps and the state of friction, over one list. */
-static void add_contacts(const struct world *world, const struct contact_list *list, struct measurement *m, int *sliding)
+static void add_contacts(const struct world *world, int l, struct measurement *m, int *sliding)
 {
     const struct particles *p = &world->particles;
+    const struct contact_list *list = list_of(world, l);
     const int dim = p->dimension;
-    const bool pair = list == &world->pairs;
+    const bool pair = l == 0;
     for (int k = 0; k < list->count; k++) {
-        struct geometry g = geometry_of(world, list, k);
+        struct geometry g = geometry_of(world, l, k);
         if (!(g.overlap > 0))
             continue;
         double smaller_radius = pair ? fmin(p->radius[list->i[k]], p->radius[list->j[k]]) : p->radius[list->i[k]];
         m->max_overlap_ratio = fmax(m->max_overlap_ratio, g.overlap / smaller_radius);
-        *sliding += list->n_springs ? list->sliding[k] : 0;
+        *sliding += list->n_springs && list->sliding[k] > 0;
         m->n_contacts += pair;
         m->n_wall_contacts += !pair;
         for (int a = 0; a < dim; a++)
@@ -261,10 +271,11 @@ enum status measure(const struct world *world, struct measurement *m)
 {
     int sliding = 0;
     memset(m, 0, sizeof *m);
-    add_contacts(world, &world->pairs, m, &sliding);
+    add_contacts(world, 0, m, &sliding);
     for (int k = 0; m->n_contacts && k < 9; k++)
         m->fabric[k] /= m->n_contacts;
-    add_contacts(world, &world->wall_contacts, m, &sliding);
+    for (int w = 0; w < world->n_walls; w++)
+        add_contacts(world, 1 + w, m, &sliding);
     int total = m->n_contacts + m->n_wall_contacts;
     m->sliding_fraction = total ? (double)sliding / total : 0;
     measure_box(world, m);
@@ -276,14 +287,15 @@ enum status measure(const struct world *world, struct measurement *m)
     return measure_coordination(world, m);
 }
 
-static void fill_contact(const struct world *world, const struct contact_list *list, int k, const struct geometry *g,
+static void fill_contact(const struct world *world, int l, int k, const struct geometry *g,
                          struct contact_measurement *out)
 {
+    const struct contact_list *list = list_of(world, l);
     const int dim = world->particles.dimension;
     double normal_force = 0;
     memset(out, 0, sizeof *out);
     out->i = list->i[k];
-    out->j = list == &world->pairs ? list->j[k] : -1 - list->j[k];
+    out->j = l == 0 ? list->j[k] : -l;
     out->overlap_m = g->overlap;
     for (int c = 0; c < dim; c++)
         normal_force += list->force[c][k] * g->n[c];
@@ -292,20 +304,19 @@ static void fill_contact(const struct world *world, const struct contact_list *l
         out->normal[c] = g->n[c];
         out->tangential_force_n[c] = list->force[c][k] - normal_force * g->n[c];
     }
-    out->sliding = list->n_springs && list->sliding[k];
+    out->sliding = list->n_springs && list->sliding[k] > 0;
 }
 
 int measure_contacts(const struct world *world, struct contact_measurement *out)
 {
-    const struct contact_list *const lists[] = {&world->pairs, &world->wall_contacts};
     int n = 0;
-    for (int l = 0; l < 2; l++)
-        for (int k = 0; k < lists[l]->count; k++) {
-            struct geometry g = geometry_of(world, lists[l], k);
+    for (int l = 0; l <= world->n_walls; l++)
+        for (int k = 0; k < list_of(world, l)->count; k++) {
+            struct geometry g = geometry_of(world, l, k);
             if (!(g.overlap > 0))
                 continue;
             if (out)
-                fill_contact(world, lists[l], k, &g, &out[n]);
+                fill_contact(world, l, k, &g, &out[n]);
             n++;
         }
     return n;

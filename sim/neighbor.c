@@ -24,24 +24,19 @@ enum status neighbor_init(struct neighbor *nb, const struct particles *p, double
     memset(nb, 0, sizeof *nb);
     nb->skin = skin_m;
     list_model(&nb->spare_pairs, p, hysteretic);
-    list_model(&nb->spare_walls, p, hysteretic);
+    list_model(&nb->spare_wall, p, hysteretic);
     size_t count = (size_t)p->count;
-    TRY(array_resize(&nb->first_of_i, sizeof(int32_t), count + 1, 0));
-    TRY(array_resize(&nb->first_of_j, sizeof(int32_t), count + 2, 0));
     TRY(array_resize(&nb->cell_of, sizeof(int32_t), count, 0));
     return array_resize(&nb->by_cell, sizeof(int32_t), count, 0);
 }
 
 void neighbor_free(struct neighbor *nb)
 {
-    free(nb->first_of_i);
-    free(nb->first_of_j);
-    free(nb->pairs_of_j);
     free(nb->cell_of);
     free(nb->cell_first);
     free(nb->by_cell);
     contact_list_free(&nb->spare_pairs);
-    contact_list_free(&nb->spare_walls);
+    contact_list_free(&nb->spare_wall);
     memset(nb, 0, sizeof *nb);
 }
 
@@ -217,104 +212,92 @@ static enum status build_pairs(struct neighbor *nb, const struct particles *p, s
             else
                 clear_history(fresh, k);
         }
-        nb->first_of_i[i] = first;
     }
-    nb->first_of_i[p->count] = fresh->count;
+    contact_list_pad(fresh, p->count);
     struct contact_list swap = *pairs;
     *pairs = *fresh;
     *fresh = swap;
     return STATUS_OK;
 }
 
-static enum status build_walls(struct neighbor *nb, const struct particles *p, struct contact_list *contacts,
-                               struct wall *walls, int n_walls)
+static enum status build_wall(struct neighbor *nb, const struct particles *p, struct wall *wall)
 {
-    struct contact_list *fresh = &nb->spare_walls;
+    struct contact_list *fresh = &nb->spare_wall, *contacts = &wall->contacts;
     fresh->count = 0;
     int old = 0;
-    for (int w = 0; w < n_walls; w++) {
-        walls[w].x_list = walls[w].x;
-        for (int i = 0; i < p->count; i++) {
-            double gap = walls[w].inward * (p->x[walls[w].axis][i] - walls[w].x) - p->radius[i];
-            if (!(gap < nb->skin))
-                continue;
-            if (fresh->count == fresh->capacity)
-                TRY(contact_list_reserve(fresh, 2 * fresh->capacity + 64, p->dimension));
-            int k = fresh->count++;
-            fresh->i[k] = i;
-            fresh->j[k] = w;
-            while (old < contacts->count && (contacts->j[old] < w || (contacts->j[old] == w && contacts->i[old] < i)))
-                old++;
-            bool known = old < contacts->count && contacts->j[old] == w && contacts->i[old] == i;
-            if (known)
-                carry_history(fresh, k, contacts, old);
-            else
-                clear_history(fresh, k);
-        }
+    for (int i = 0; i < p->count; i++) {
+        double gap = wall->inward * (p->x[wall->axis][i] - wall->x) - p->radius[i];
+        if (!(gap < nb->skin))
+            continue;
+        if (fresh->count == fresh->capacity)
+            TRY(contact_list_reserve(fresh, 2 * fresh->capacity + 64, p->dimension));
+        int k = fresh->count++;
+        fresh->i[k] = i;
+        fresh->j[k] = p->count;
+        while (old < contacts->count && contacts->i[old] < i)
+            old++;
+        if (old < contacts->count && contacts->i[old] == i)
+            carry_history(fresh, k, contacts, old);
+        else
+            clear_history(fresh, k);
     }
+    contact_list_pad(fresh, p->count);
     struct contact_list swap = *contacts;
     *contacts = *fresh;
     *fresh = swap;
-    return STATUS_OK;
-}
-
-/* For each particle the pairs in which it is j, by counting. */
-static enum status index_by_j(struct neighbor *nb, const struct particles *p, const struct contact_list *pairs)
-{
-    if (pairs->count > nb->pair_capacity) {
-        TRY(array_resize(&nb->pairs_of_j, sizeof(int32_t), (size_t)pairs->capacity, 0));
-        nb->pair_capacity = pairs->capacity;
-    }
-    int32_t *first = nb->first_of_j;
-    memset(first, 0, ((size_t)p->count + 2) * sizeof *first);
-    for (int k = 0; k < pairs->count; k++)
-        first[pairs->j[k] + 2]++;
-    for (int i = 0; i < p->count; i++)
-        first[i + 2] += first[i + 1];
-    for (int k = 0; k < pairs->count; k++)
-        nb->pairs_of_j[first[pairs->j[k] + 1]++] = k;
+    wall->x_list = wall->x;
     return STATUS_OK;
 }
 
 enum status neighbor_build(struct neighbor *nb, struct particles *p, struct contact_list *pairs,
-                           struct contact_list *wall_contacts, struct wall *walls, int n_walls)
+                           struct wall *walls, int n_walls)
 {
     TRY(build_pairs(nb, p, pairs));
-    TRY(build_walls(nb, p, wall_contacts, walls, n_walls));
-    TRY(index_by_j(nb, p, pairs));
+    for (int w = 0; w < n_walls; w++)
+        TRY(build_wall(nb, p, &walls[w]));
     for (int c = 0; c < p->dimension; c++)
         memcpy(p->x_list[c], p->x[c], (size_t)p->count * sizeof(double));
     nb->rebuilds++;
     return STATUS_OK;
 }
 
-/* into[i] = sign-weighted sum of `value` over the pairs of i: + as i, `as_j` as j. */
-static void sum_pairs(const struct neighbor *nb, int count, const double *restrict value, double as_j,
-                      double *restrict into)
+/* Adds value[k] to both ends of every pair, `as_j` times to the second. */
+static void scatter_pairs(const struct contact_list *pairs, const double *restrict value, double as_j,
+                          double *restrict into)
 {
-    for (int i = 0; i < count; i++) {
-        double sum = 0, other = 0;
-        for (int k = nb->first_of_i[i]; k < nb->first_of_i[i + 1]; k++)
-            sum += value[k];
-        for (int m = nb->first_of_j[i]; m < nb->first_of_j[i + 1]; m++)
-            other += value[nb->pairs_of_j[m]];
-        into[i] = sum + as_j * other;
+    const int32_t *restrict i = pairs->i, *restrict j = pairs->j;
+    for (int k = 0; k < pairs->count; k++) {
+        into[i[k]] += value[k];
+        into[j[k]] += as_j * value[k];
     }
 }
 
-void neighbor_sum_forces(const struct neighbor *nb, struct particles *p, const struct contact_list *pairs,
-                         const struct contact_list *wall_contacts)
+static void sum_component(const struct contact_list *pairs, double *const *pair_value, double as_j,
+                          const struct wall *walls, int n_walls, int c, bool moment, int count, double *into)
 {
-    for (int c = 0; c < p->dimension; c++) {
-        sum_pairs(nb, p->count, pairs->force[c], -1.0, p->force[c]);
-        for (int k = 0; k < wall_contacts->count; k++)
-            p->force[c][wall_contacts->i[k]] += wall_contacts->force[c][k];
+    memset(into, 0, (size_t)count * sizeof *into);
+    scatter_pairs(pairs, pair_value[c], as_j, into);
+    for (int w = 0; w < n_walls; w++) {
+        const struct contact_list *list = &walls[w].contacts;
+        const double *value = moment ? list->moment[c] : list->force[c];
+        for (int k = 0; k < list->count; k++)
+            into[list->i[k]] += value[k];
     }
+}
+
+void neighbor_sum_forces(struct particles *p, const struct contact_list *pairs, struct wall *walls, int n_walls)
+{
+    for (int c = 0; c < p->dimension; c++)
+        sum_component(pairs, pairs->force, -1.0, walls, n_walls, c, false, p->count, p->force[c]);
     for (int c = 0; c < p->n_rotations; c++) {
-        sum_pairs(nb, p->count, pairs->moment[c], 1.0, p->torque[c]);
-        for (int k = 0; k < wall_contacts->count; k++)
-            p->torque[c][wall_contacts->i[k]] += wall_contacts->moment[c][k];
+        sum_component(pairs, pairs->moment, 1.0, walls, n_walls, c, true, p->count, p->torque[c]);
         for (int i = 0; i < p->count; i++)
             p->torque[c][i] *= -p->radius[i];
+    }
+    for (int w = 0; w < n_walls; w++) {
+        double sum = 0;
+        for (int k = 0; k < walls[w].contacts.count; k++)
+            sum += walls[w].contacts.force[walls[w].axis][k];
+        walls[w].force = sum * walls[w].inward;
     }
 }

@@ -12,14 +12,11 @@
 struct neighbor {
     double skin; /* m */
     int64_t rebuilds;
-    int32_t *first_of_i; /* [count + 1] pairs with this particle as i: first_of_i[i] ... first_of_i[i + 1] - 1 */
-    int32_t *first_of_j; /* [count + 1] range in pairs_of_j */
-    int32_t *pairs_of_j; /* [pairs] indices of the pairs with this particle as j, rising */
     int32_t *cell_of;    /* [count] */
     int32_t *cell_first; /* [cells + 1] range in by_cell */
     int32_t *by_cell;    /* [count] particles sorted by cell */
-    int cell_capacity, pair_capacity;
-    struct contact_list spare_pairs, spare_walls; /* the lists under construction */
+    int cell_capacity;
+    struct contact_list spare_pairs, spare_wall; /* the lists under construction */
 };
 
 /* Prepares lists for the model of `particles`; skin in m. Errors: STATUS_NO_MEMORY. */
@@ -31,13 +28,13 @@ void neighbor_free(struct neighbor *neighbor);
 bool neighbor_is_stale(const struct neighbor *neighbor, const struct particles *particles, const struct wall *walls,
                        int n_walls);
 
-/* Builds `pairs` and `wall_contacts` anew for the current positions. Errors: STATUS_NO_MEMORY. */
+/* Builds `pairs` and the walls' lists anew for the current positions. Errors: STATUS_NO_MEMORY. */
 enum status neighbor_build(struct neighbor *neighbor, struct particles *particles, struct contact_list *pairs,
-                           struct contact_list *wall_contacts, struct wall *walls, int n_walls) MUST_USE;
+                           struct wall *walls, int n_walls) MUST_USE;
 
-/* Sums the forces and moments of pairs, then of walls, into particles->force and torque, in an order that depends on
- * the lists alone. */
-void neighbor_sum_forces(const struct neighbor *neighbor, struct particles *particles, const struct contact_list *pairs,
-                         const struct contact_list *wall_contacts);
+/* Sums the forces and moments of pairs, then of walls, into particles->force and torque and the walls' force, in the
+ * order of the lists. */
+void neighbor_sum_forces(struct particles *particles, const struct contact_list *pairs, struct wall *walls,
+                         int n_walls);
 
 #endif

@@ -13,6 +13,13 @@ static enum status components_resize(double **component, int n, int count)
     return STATUS_OK;
 }
 
+/* Two particles behind the last that fill up vectors: a metre apart, with radii that touch nothing. */
+static void pad(struct particles *p)
+{
+    p->x[0][p->count + 1] = 1;
+    p->radius[p->count] = p->radius[p->count + 1] = -1e6;
+}
+
 enum status particles_init(struct particles *p, int count, int dimension, bool rotations)
 {
     memset(p, 0, sizeof *p);
@@ -32,6 +39,7 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
     TRY(components_resize(&p->inv_mass, 1, count));
     if (rotations)
         TRY(components_resize(&p->inv_inertia, 1, count));
+    pad(p);
     return STATUS_OK;
 }
 

@@ -30,6 +30,8 @@ static void place_walls(struct world *world, const double *lo, const double *hi)
     for (int w = 0; w < world->n_walls; w++) {
         bool upper = w % 2;
         world->walls[w] = (struct wall){.axis = w / 2, .inward = upper ? -1 : 1, .x = upper ? hi[w / 2] : lo[w / 2]};
+        world->walls[w].contacts.hysteretic = world->pairs.hysteretic;
+        world->walls[w].contacts.n_springs = world->pairs.n_springs;
         world->path.x0[w] = world->walls[w].x;
     }
 }
@@ -48,13 +50,12 @@ static enum status world_init(struct world *world, const struct scene *scene)
     world->kernels = contact_kernels_select(world->isa, dimension, hysteretic, frictional);
     TRY(particles_init(&world->particles, (int)scene->sample.count, dimension, frictional));
     TRY(particles_place(&world->particles, scene, lo, hi));
+    world->pairs.hysteretic = hysteretic;
+    world->pairs.n_springs = world->particles.n_rotations;
     place_walls(world, lo, hi);
-    world->pairs.hysteretic = world->wall_contacts.hysteretic = hysteretic;
-    world->pairs.n_springs = world->wall_contacts.n_springs = world->particles.n_rotations;
     double skin = scene->neighbor.skin_ratio * mean_radius(&world->particles);
     TRY(neighbor_init(&world->neighbor, &world->particles, skin, hysteretic));
-    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, &world->wall_contacts, world->walls,
-                          world->n_walls);
+    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls);
 }
 
 enum status world_create(struct world **world, const struct scene *scene)
@@ -76,7 +77,8 @@ void world_free(struct world *world)
         return;
     particles_free(&world->particles);
     contact_list_free(&world->pairs);
-    contact_list_free(&world->wall_contacts);
+    for (int w = 0; w < world->n_walls; w++)
+        contact_list_free(&world->walls[w].contacts);
     neighbor_free(&world->neighbor);
     free(world);
 }

@@ -27,7 +27,7 @@ struct wall_path {
 struct world {
     const struct scene *scene;
     struct particles particles;
-    struct contact_list pairs, wall_contacts;
+    struct contact_list pairs;
     struct neighbor neighbor;
     struct wall walls[SCENE_WALLS_MAX];
     int n_walls;
