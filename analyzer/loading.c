@@ -78,7 +78,7 @@ struct vertex_context {
 };
 
 enum { OUT_EPS = LOADING_CURVES, OUT_COUNT };
-_Static_assert(OUT_COUNT <= STATISTICS_OUT_MAX, "the peak has more numbers than the jackknife takes");
+_Static_assert((int)OUT_COUNT <= (int)STATISTICS_OUT_MAX, "the peak has more numbers than the jackknife takes");
 
 /* Place of the maximum of the parabola within [lower, upper]; an upward parabola has it at an end. */
 static double vertex_place(const double *c, double x0, double lower, double upper)

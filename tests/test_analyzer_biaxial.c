@@ -1,0 +1,227 @@
+/* Parameters of a biaxial test against the model they come from (test_analyzer_fixture.h), with and without noise. */
+#include "test_analyzer_fixture.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "analyzer/biaxial.h"
+
+/* Closed forms of the model. q = 500 (R - 1): peak 300, half of it at R = 1.3, on the straight piece from 0.001. */
+static const double eps50 = 0.001 + 0.005 * 0.1 / 0.328;
+static const double sine_peak = 0.6 / 2.6, sine_final = 0.4 / 2.4;
+
+static void evaluate(const struct run *run, struct quantity *q)
+{
+    struct curves curves;
+    assert_int_equal(curves_extract(&curves, run), STATUS_OK);
+    assert_int_equal(biaxial_evaluate(&curves, run->scene, q), STATUS_OK);
+    curves_free(&curves);
+}
+
+static void evaluate_model(const struct biaxial_model *model, struct random *random, struct quantity *q)
+{
+    struct run run;
+    fixture_biaxial(&run, model, random);
+    evaluate(&run, q);
+    run_free(&run);
+}
+
+static void assert_relative(const struct quantity *quantity, double expected, double tolerance)
+{
+    assert_near(quantity->value, expected, tolerance * fabs(expected));
+}
+
+/* Without noise every window lies on one polynomial piece, so fits are exact up to rounding: a strain 1 - L/L0 of 1e-3
+ * has a relative error of 1e-13, amplified by less than 1e3 in slopes and the vertex: 1e-9. Samples at rest must not
+ * matter. */
+static void exact(void **state)
+{
+    (void)state;
+    struct random random = {1};
+    struct quantity q[QUANTITIES];
+    evaluate_model(&(struct biaxial_model){.n = 501, .rest = 100}, &random, q);
+    assert_relative(&q[QUANTITY_E_INITIAL], 1e5, 1e-9);
+    assert_relative(&q[QUANTITY_NU], 0.69, 1e-9);
+    assert_relative(&q[QUANTITY_EPS_V_SLOPE_INITIAL], -0.31, 1e-9);
+    assert_relative(&q[QUANTITY_DILATANCY_SLOPE], 0.19, 1e-9);
+    assert_relative(&q[QUANTITY_DILATANCY_ANGLE], asin(0.19 / 2.19) * 180 / M_PI, 1e-9);
+    assert_relative(&q[QUANTITY_PEAK_SIGMA_CORR], 800, 1e-9);
+    assert_relative(&q[QUANTITY_PEAK_SIGMA_ZZ], 800, 1e-9);
+    assert_relative(&q[QUANTITY_PEAK_SIGMA_XX], 500, 1e-9);
+    assert_relative(&q[QUANTITY_PEAK_EPS_ZZ], 0.012, 1e-9);
+    assert_relative(&q[QUANTITY_PEAK_SIN_PHI], sine_peak, 1e-9);
+    assert_relative(&q[QUANTITY_PEAK_TAN_PHI], tan(asin(sine_peak)), 1e-9);
+    assert_relative(&q[QUANTITY_PEAK_FRICTION_ANGLE], asin(sine_peak) * 180 / M_PI, 1e-9);
+    assert_relative(&q[QUANTITY_RESIDUAL_SIGMA_CORR], 700, 1e-9);
+    assert_relative(&q[QUANTITY_CRITICAL_SIN_PHI], sine_final, 1e-9);
+    assert_relative(&q[QUANTITY_CRITICAL_Q_OVER_P], 2 * sine_final, 1e-9); /* 2D: p is the mean of two */
+    /* the crossing is interpolated on a grid over a straight line: exact too */
+    assert_relative(&q[QUANTITY_E50], 150 / eps50, 1e-9);
+    assert_string_equal(q[QUANTITY_PEAK_SIGMA_CORR].text, "");
+    assert_near(q[QUANTITY_E_INITIAL].window[1], 0.001, 0);
+}
+
+/* What the draws look at. */
+static const struct {
+    enum quantity_id id;
+    double truth;
+} watched[] = {{QUANTITY_E_INITIAL, 1e5},
+               {QUANTITY_NU, 0.69},
+               {QUANTITY_DILATANCY_SLOPE, 0.19},
+               {QUANTITY_PEAK_SIGMA_CORR, 800},
+               {QUANTITY_PEAK_EPS_ZZ, 0.012},
+               {QUANTITY_RESIDUAL_SIGMA_CORR, 700},
+               {QUANTITY_CRITICAL_SIN_PHI, 0.4 / 2.4},
+               {QUANTITY_E50, 150 / 0.00252439024390244}};
+enum { WATCHED = sizeof watched / sizeof watched[0], DRAWS = 200 };
+
+struct tally {
+    double covered, bias, squares, claimed;
+};
+
+static void draw_many(const struct biaxial_model *model, uint64_t seed, struct tally *tally)
+{
+    struct random random = {seed};
+    for (int draw = 0; draw < DRAWS; draw++) {
+        struct quantity q[QUANTITIES];
+        evaluate_model(model, &random, q);
+        for (int k = 0; k < WATCHED; k++) {
+            double off = q[watched[k].id].value - watched[k].truth, u = q[watched[k].id].uncertainty;
+            tally[k].covered += (fabs(off) <= 2 * u) / (double)DRAWS;
+            tally[k].bias += off / DRAWS;
+            tally[k].squares += off * off / DRAWS;
+            tally[k].claimed += u * u / DRAWS;
+        }
+    }
+}
+
+/* Independent errors, 2 Pa and 2e-5. Errors from 10 blocks of unequal leverage have 5 to 9 degrees of freedom:
+ * Student's t puts 90 to 92 % within 2 u; the jackknife's overestimate adds to that. Over 200 draws the frequency
+ * scatters by sqrt(0.9 x 0.1/200) = 2.1 %: at least 0.90 - 3 x 0.021 = 0.84. Ratio of claimed to true error: its square
+ * is known to 10 % (200 draws), the overestimate of u is up to 20 % for the curvature of a parabola: 0.85 to 1.45.
+ * Bias: the mean of 200 draws scatters by sd/sqrt(200) = 0.07 sd; the vertex has a bias of second order, which is some
+ * per cent of its sd: 0.3 sd. */
+static void errors_independent(void **state)
+{
+    (void)state;
+    struct tally tally[WATCHED] = {{0}};
+    draw_many(&(struct biaxial_model){.n = 501, .stress_noise_pa = 2, .strain_noise = 2e-5}, 11, tally);
+    for (int k = 0; k < WATCHED; k++) {
+        double ratio = sqrt(tally[k].claimed / tally[k].squares);
+        print_message("  %-26s covered %.3f, claimed/true %.2f, bias %.2f sd\n", quantity_key(watched[k].id),
+                      tally[k].covered, ratio, tally[k].bias / sqrt(tally[k].squares));
+        assert_true(tally[k].covered >= 0.84);
+        assert_near(ratio, 1.15, 0.30);
+        assert_near(tally[k].bias, 0, 0.3 * sqrt(tally[k].squares));
+    }
+}
+
+/* Errors correlated by 0.6 from sample to sample; naive errors would be sqrt((1 - 0.6)/(1 + 0.6)) = 0.5 of the truth.
+ * 2501 samples: blocks of at least 13 samples in the shortest window (to strain 0.001: 270 of 2501) lose up to
+ * 2 x 2/13 = 30 % of the variance at their edges, 16 % of the error. So 0.85 - 0.16 as lower bound. */
+static void errors_correlated(void **state)
+{
+    (void)state;
+    struct tally tally[WATCHED] = {{0}};
+    draw_many(&(struct biaxial_model){.n = 2501, .stress_noise_pa = 2, .strain_noise = 2e-5, .correlation = 0.6}, 12,
+              tally);
+    for (int k = 0; k < WATCHED; k++) {
+        double ratio = sqrt(tally[k].claimed / tally[k].squares);
+        print_message("  %-26s covered %.3f, claimed/true %.2f\n", quantity_key(watched[k].id), tally[k].covered,
+                      ratio);
+        assert_true(ratio > 0.69 && ratio < 1.45);
+    }
+}
+
+static void truncate_at_strain(struct run *run, double strain)
+{
+    size_t k = 0;
+    while (k < run->n_samples && !(1 - run_record(run, OBSERVABLE_BOX_LENGTH, k)[1] / 0.1 > strain))
+        k++;
+    run->n_samples = k;
+}
+
+/* A run cut before the peak: what is known stays exact, the rest says what is missing. */
+static void cut_short(void **state)
+{
+    (void)state;
+    struct random random = {1};
+    struct quantity q[QUANTITIES];
+    struct run run;
+    fixture_biaxial(&run, &(struct biaxial_model){.n = 501}, &random);
+    truncate_at_strain(&run, 0.005);
+    evaluate(&run, q);
+    assert_relative(&q[QUANTITY_E_INITIAL], 1e5, 1e-9);
+    assert_true(isnan(q[QUANTITY_DILATANCY_ANGLE].value));
+    assert_non_null(strstr(q[QUANTITY_DILATANCY_ANGLE].text, "too few"));
+    assert_non_null(strstr(q[QUANTITY_PEAK_SIGMA_CORR].text, "still rises"));
+    run_free(&run);
+}
+
+/* No samples in the stage, one sample, no strain control, expansion: undefined, each with its reason. */
+static void nothing_to_evaluate(void **state)
+{
+    (void)state;
+    struct random random = {1};
+    struct quantity q[QUANTITIES];
+    struct run run;
+    fixture_biaxial(&run, &(struct biaxial_model){.n = 101}, &random);
+    run.n_samples = 5; /* the first stage only */
+    evaluate(&run, q);
+    assert_string_equal(q[QUANTITY_E_INITIAL].text, "the stage has no samples");
+    assert_true(isnan(q[QUANTITY_E_INITIAL].value));
+    run.n_samples = 6;
+    evaluate(&run, q);
+    assert_string_equal(q[QUANTITY_CRITICAL_Q_OVER_P].text, "the stage has no strain yet");
+    run.n_samples = 106;
+    snprintf(run.scene->analysis.stage, sizeof run.scene->analysis.stage, "relax");
+    evaluate(&run, q);
+    assert_non_null(strstr(q[QUANTITY_NU].text, "not exactly one strain-controlled axis"));
+    run.scene->analysis.stage[0] = '\0';
+    run.scene->stage[1].axis[AXIS_Z].strain = -0.01;
+    evaluate(&run, q);
+    assert_non_null(strstr(q[QUANTITY_NU].text, "not compressed"));
+    run_free(&run);
+}
+
+/* A lateral wall at rest (oedometer): no Poisson's ratio, no p_x; a stress ratio all the same. */
+static void oedometer(void **state)
+{
+    (void)state;
+    struct random random = {1};
+    struct quantity q[QUANTITIES];
+    struct run run;
+    fixture_biaxial(&run, &(struct biaxial_model){.n = 501}, &random);
+    run.scene->stage[1].axis[AXIS_X].mode = WALL_FIXED;
+    evaluate(&run, q);
+    assert_true(isnan(q[QUANTITY_NU].value) && isnan(q[QUANTITY_PEAK_SIGMA_CORR].value));
+    assert_string_equal(q[QUANTITY_PEAK_SIGMA_CORR].text, "lateral stress is not held constant");
+    assert_relative(&q[QUANTITY_PEAK_STRESS_RATIO], 1.6, 1e-9);
+    run_free(&run);
+}
+
+/* A wall that nothing pushes on for a while leaves holes in the ratio, not infinities. */
+static void wall_off(void **state)
+{
+    (void)state;
+    struct random random = {1};
+    struct quantity q[QUANTITIES];
+    struct run run;
+    fixture_biaxial(&run, &(struct biaxial_model){.n = 501}, &random);
+    for (size_t i = 200; i < 210; i++)
+        fixture_set(&run, OBSERVABLE_STRESS_WALL, i, 0, 0);
+    evaluate(&run, q);
+    assert_relative(&q[QUANTITY_PEAK_STRESS_RATIO], 1.6, 1e-9);
+    run_free(&run);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(exact),     cmocka_unit_test(errors_independent),  cmocka_unit_test(errors_correlated),
+        cmocka_unit_test(cut_short), cmocka_unit_test(nothing_to_evaluate), cmocka_unit_test(oedometer),
+        cmocka_unit_test(wall_off),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

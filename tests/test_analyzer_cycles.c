@@ -1,0 +1,199 @@
+/* Cyclic loading against closed forms (test_analyzer_fixture.h). */
+#include "test_analyzer_fixture.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "analyzer/cycles.h"
+
+enum { PER_CYCLE = 64 };
+static const double amplitude = 200, strain = 1e-3, lateral = 1.3; /* eps_D = 1.3 eps_x */
+
+struct accumulation {
+    double a, b;
+    double *values; /* per cycle, for random ones */
+};
+
+static double none(double x, const void *context)
+{
+    (void)x, (void)context;
+    return 0;
+}
+
+static double power(double x, const void *context)
+{
+    const struct accumulation *law = context;
+    return law->a * pow(x, law->b);
+}
+
+static double saturating(double x, const void *context)
+{
+    const struct accumulation *law = context;
+    return law->a * (1 - exp(-x / law->b));
+}
+
+static double growing(double x, const void *context)
+{
+    const struct accumulation *law = context;
+    return law->a * expm1(x / law->b);
+}
+
+static double listed(double x, const void *context)
+{
+    const struct accumulation *law = context;
+    size_t k = (size_t)x;
+    double share = x - (double)k;
+    return (k ? law->values[k - 1] : 0) * (1 - share) + law->values[k] * share;
+}
+
+static void evaluate(const struct cyclic_model *model, struct cycles *cycles, struct quantity *q)
+{
+    struct run run;
+    struct curves curves;
+    fixture_cyclic(&run, model);
+    assert_int_equal(curves_extract(&curves, &run), STATUS_OK);
+    assert_int_equal(cycles_evaluate(cycles, &curves), STATUS_OK);
+    cycles_quantities(cycles, &curves, q);
+    curves_free(&curves);
+    run_free(&run);
+}
+
+/* The ellipse sampled at m points is a polygon of area sin(2 pi/m)/(2 pi/m) times the ellipse's pi (A/3)(1.3 e/2) sin
+ * delta (semi-axes of sigma_D and eps_D). The largest strain, e/2 (1 + cos delta) above the end of the cycle, falls on
+ * a sample. Exact up to the rounding of 1 - L/L0, 1e-16 of 1e-3: 1e-12, so 1e-10. */
+static void loop(void **state)
+{
+    (void)state;
+    struct cycles cycles;
+    struct quantity q[QUANTITIES];
+    double delta = 2 * M_PI * 4 / 64, polygon = sin(2 * M_PI / PER_CYCLE) / (2 * M_PI / PER_CYCLE);
+    evaluate(&(struct cyclic_model){12, PER_CYCLE, none, NULL}, &cycles, q);
+    double area = polygon * M_PI * amplitude / 3 * lateral * strain / 2 * sin(delta);
+    assert_int_equal(cycles.n, 12);
+    for (size_t k = 0; k < cycles.n; k++) {
+        assert_near(cycles.cycle[k].loop_area_j_per_m3, area, 1e-10 * area);
+        assert_near(cycles.cycle[k].damping_ratio, polygon * sin(delta) / 2, 1e-10);
+        double modulus = amplitude / (strain / 2 * (1 + cos(delta)));
+        assert_near(cycles.cycle[k].resilient_modulus_pa, modulus, 1e-10 * modulus);
+    }
+    assert_near(q[QUANTITY_CYCLES_LOOP_AREA].value, area, 1e-10 * area);
+    assert_int_equal(cycles.verdict, VERDICT_SHAKEDOWN);
+    cycles_free(&cycles);
+}
+
+/* A drift of d per cycle, linear in time, adds the work of the mean stress above the ends, (A/3) d; the damping ratio's
+ * elastic energy does not see it. */
+static void loop_with_drift(void **state)
+{
+    (void)state;
+    struct cycles cycles;
+    struct quantity q[QUANTITIES];
+    struct accumulation law = {.a = 2e-5, .b = 1};
+    double delta = 2 * M_PI * 4 / 64, polygon = sin(2 * M_PI / PER_CYCLE) / (2 * M_PI / PER_CYCLE);
+    double area = polygon * M_PI * amplitude / 3 * lateral * strain / 2 * sin(delta) + amplitude / 3 * lateral * law.a;
+    double elastic = 2 * amplitude / 3 * lateral * strain / 8;
+    evaluate(&(struct cyclic_model){12, PER_CYCLE, power, &law}, &cycles, q);
+    assert_near(cycles.cycle[7].loop_area_j_per_m3, area, 1e-10 * area);
+    assert_near(cycles.cycle[7].damping_ratio, area / (4 * M_PI * elastic), 1e-10);
+    assert_near(q[QUANTITY_CYCLES_RATE].value, lateral * law.a, 1e-12 * lateral);
+    assert_near(q[QUANTITY_CYCLES_FIRST].value, lateral * law.a, 1e-12 * lateral);
+    /* eps_v = -(1 - 0.6) eps_x, dilation positive */
+    assert_near(q[QUANTITY_CYCLES_EPS_V].value, -0.4 * 12 * law.a, 1e-12);
+    assert_near(q[QUANTITY_CYCLES_RATE_EXPONENT].value, 0, 1e-8);
+    assert_int_equal(cycles.verdict, VERDICT_RATCHETING);
+    assert_true(cycles.confidence > 0.99);
+    cycles_free(&cycles);
+}
+
+/* a N^b at the ends of the cycles is a straight line in double logarithm: recovered to rounding, 1e-16/1e-4 = 1e-12
+ * times the slope's condition, 1e-9. The rate falls as N^(b-1), slower than 1/N: ratcheting. */
+static void accumulation_power_law(void **state)
+{
+    (void)state;
+    struct cycles cycles;
+    struct quantity q[QUANTITIES];
+    struct accumulation law = {.a = 1e-4, .b = 0.5};
+    evaluate(&(struct cyclic_model){100, PER_CYCLE, power, &law}, &cycles, q);
+    for (size_t k = 0; k < 100; k++)
+        assert_near(cycles.cycle[k].eps_d, lateral * law.a * sqrt((double)k + 1), 1e-13);
+    assert_near(q[QUANTITY_CYCLES_ACCUMULATION_EXPONENT].value, 0.5, 1e-9);
+    assert_near(q[QUANTITY_CYCLES_ACCUMULATION_FACTOR].value, lateral * law.a, 1e-9 * lateral);
+    /* mean over quarters at N = 62.5 ... and 87.5 ...: (sqrt 100 - sqrt 75)/(sqrt 75 - sqrt 50), span ln(176/126) */
+    double expected = log((10 - sqrt(75)) / (sqrt(75) - sqrt(50))) / log(176.0 / 126);
+    assert_near(q[QUANTITY_CYCLES_RATE_EXPONENT].value, expected, 1e-8);
+    assert_int_equal(cycles.verdict, VERDICT_RATCHETING);
+    cycles_free(&cycles);
+}
+
+static enum cycles_verdict verdict_of(double (*accumulated)(double, const void *), const struct accumulation *law,
+                                      size_t n)
+{
+    struct cycles cycles;
+    struct quantity q[QUANTITIES];
+    evaluate(&(struct cyclic_model){n, 16, accumulated, law}, &cycles, q);
+    enum cycles_verdict verdict = cycles.verdict;
+    assert_true(verdict == VERDICT_UNDETERMINED ? isnan(cycles.confidence)
+                                                : cycles.confidence >= 0 && cycles.confidence <= 1);
+    cycles_free(&cycles);
+    return verdict;
+}
+
+/* saturating: rate ~ exp(-N/5), 40 cycles. growing: x 1.4 per cycle at first. */
+static void verdicts(void **state)
+{
+    (void)state;
+    assert_int_equal(verdict_of(saturating, &(struct accumulation){.a = 1e-3, .b = 5}, 40), VERDICT_SHAKEDOWN);
+    assert_int_equal(verdict_of(power, &(struct accumulation){.a = -1e-5, .b = 1}, 40), VERDICT_RATCHETING);
+    assert_int_equal(verdict_of(growing, &(struct accumulation){.a = 1e-6, .b = 4}, 24), VERDICT_COLLAPSE);
+    assert_int_equal(verdict_of(power, &(struct accumulation){.a = 5e-3, .b = 1}, 40), VERDICT_COLLAPSE);
+    assert_int_equal(verdict_of(power, &(struct accumulation){.a = 1e-5, .b = 1}, 7), VERDICT_UNDETERMINED);
+}
+
+/* A random walk without drift, independent gains: 20 gains in the second half. P(|t| > its 2-sigma point) = 4.55 %; 300
+ * draws scatter by sqrt(0.0455 x 0.9545/300) = 1.2 %: at most 0.0455 + 3 x 0.012 = 0.082 may be called anything but
+ * shakedown. With a drift of 1.5 s.d. per cycle (t of 6.7) all but a few per mille are ratcheting: at least 0.98. */
+static void verdicts_of_noise(void **state)
+{
+    (void)state;
+    enum { CYCLES = 40, DRAWS = 300 };
+    struct random random = {5};
+    for (int drifting = 0; drifting < 2; drifting++) {
+        double values[CYCLES + 1], steady = 0;
+        for (int draw = 0; draw < DRAWS; draw++) {
+            double sum = 0;
+            for (int k = 0; k <= CYCLES; k++)
+                values[k] = sum += 1e-5 * (random_normal(&random) + 1.5 * drifting);
+            enum cycles_verdict verdict = verdict_of(listed, &(struct accumulation){.values = values}, CYCLES);
+            steady += (verdict == VERDICT_SHAKEDOWN) / (double)DRAWS;
+        }
+        print_message("  drift %d: shakedown %.3f\n", drifting, steady);
+        assert_true(drifting ? steady <= 0.02 : steady >= 1 - 0.082);
+    }
+}
+
+/* 5 samples per cycle: no loops, but the accumulation is there. Less than a cycle: nothing. */
+static void sparse(void **state)
+{
+    (void)state;
+    struct cycles cycles;
+    struct quantity q[QUANTITIES];
+    struct accumulation law = {.a = 1e-5, .b = 1};
+    evaluate(&(struct cyclic_model){20, 5, power, &law}, &cycles, q);
+    assert_true(isnan(q[QUANTITY_CYCLES_LOOP_AREA].value));
+    assert_non_null(strstr(q[QUANTITY_CYCLES_LOOP_AREA].text, "samples per cycle"));
+    assert_near(q[QUANTITY_CYCLES_EPS_D].value, 20 * lateral * law.a, 1e-12);
+    cycles_free(&cycles);
+    evaluate(&(struct cyclic_model){0, 64, none, NULL}, &cycles, q);
+    assert_int_equal(cycles.n, 0);
+    assert_string_equal(q[QUANTITY_CYCLES_RATE].text, "no finished cycle");
+    cycles_free(&cycles);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(loop),     cmocka_unit_test(loop_with_drift),   cmocka_unit_test(accumulation_power_law),
+        cmocka_unit_test(verdicts), cmocka_unit_test(verdicts_of_noise), cmocka_unit_test(sparse),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
