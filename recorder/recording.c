@@ -160,7 +160,7 @@ static enum status record_settings_read(const shakedown_run_info_t *info, struct
 
 static enum status take_run_info(struct recording *recording, const shakedown_run_info_t *info)
 {
-    struct scene_record record;
+    struct scene_record record = {0};
     TRY(record_settings_read(info, &record));
     recording->run_id = info->run_id;
     recording->facts = (struct run_facts){.dimension = info->dimension,

@@ -1,0 +1,619 @@
+/* The recorder without a bus: decoding, go-back-N, run.h5, run.xdmf. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "recorder/messages.h"
+#include "recorder/recording.h"
+#include "test_recorder_read.h"
+#include "test_recorder_synthetic.h"
+
+/* A run, a directory, and a recording into it. */
+struct bench {
+    char directory[64];
+    struct synthetic_run run;
+    struct recording *recording;
+};
+
+static void bench_open(struct bench *bench, const struct synthetic_options *options)
+{
+    synthetic_directory(bench->directory);
+    synthetic_create(&bench->run, options);
+    const struct recording_options recording = {.directory = bench->directory, .run_id = options->run_id};
+    assert_int_equal(recording_create(&bench->recording, &recording), STATUS_OK);
+}
+
+static void bench_close(struct bench *bench)
+{
+    recording_free(bench->recording);
+    synthetic_free(&bench->run);
+    synthetic_directory_remove(bench->directory);
+}
+
+static enum recording_answer give_bytes(struct bench *bench, int kind, const void *data, size_t size)
+{
+    enum recording_answer answer;
+    assert_int_equal(recording_take(bench->recording, kind, data, size, &answer), STATUS_OK);
+    return answer;
+}
+
+static enum recording_answer give(struct bench *bench, const struct synthetic_message *message)
+{
+    return give_bytes(bench, message->kind, message->data, message->size);
+}
+
+static void give_all(struct bench *bench)
+{
+    for (size_t k = 0; k < bench->run.count; k++)
+        give(bench, &bench->run.messages[k]);
+}
+
+/* The place of the n-th message of a kind. */
+static size_t find(const struct synthetic_run *run, int kind, int n)
+{
+    for (size_t k = 0; k < run->count; k++) {
+        if (run->messages[k].kind == kind && n-- == 0)
+            return k;
+    }
+    fail_msg("no such message");
+    return 0;
+}
+
+static void check_samples(hid_t file, const struct synthetic_options *options)
+{
+    double *strain = read_values(file, "/observables/strain/value");
+    double *step = read_values(file, "/observables/strain/step");
+    double *time_s = read_values(file, "/observables/stage/time");
+    double *contacts = read_values(file, "/observables/n_contacts/value");
+    double *last = read_values(file, "/observables/interface_residual_j/value");
+    assert_int_equal(read_rows(file, "/observables/strain/value"), options->n_samples);
+    for (int s = 0; s < options->n_samples; s++) {
+        for (int axis = 0; axis < options->dimension; axis++)
+            assert_true(strain[s * options->dimension + axis] == synthetic_strain(s, axis));
+        assert_true(step[s] == 10 * s && time_s[s] == 1e-3 * s && contacts[s] == 100 + s && last[s] == -1.0 - s);
+    }
+    free(strain);
+    free(step);
+    free(time_s);
+    free(contacts);
+    free(last);
+}
+
+static void check_frames(hid_t file, const struct synthetic_options *options)
+{
+    double *position = read_values(file, "/particles/trajectory/position/value");
+    double *edges = read_values(file, "/particles/trajectory/box/edges/value");
+    double *lo = read_values(file, "/frames/box_lo");
+    int n = options->n_particles, d = options->dimension;
+    double thickness = 2.0 * (1e-3 + 96e-6); /* 2D: twice the largest radius */
+    assert_int_equal(read_rows(file, "/particles/trajectory/position/value"), options->n_frames);
+    for (int k = 0; k < options->n_frames * n; k++) {
+        const double *row = position + 3 * k;
+        assert_true(row[0] == synthetic_position(k / n, k % n, 0));
+        assert_true(row[1] == (d == 3 ? synthetic_position(k / n, k % n, 1) : 0.0));
+        assert_true(row[2] == synthetic_position(k / n, k % n, d - 1));
+    }
+    for (int f = 0; f < options->n_frames; f++) {
+        assert_true(edges[3 * f] == 2.0 && edges[3 * f + 2] == 4.0);
+        assert_true(fabs(edges[3 * f + 1] - (d == 3 ? 3.0 : thickness)) < 1e-15); /* one rounding of the sum */
+        assert_true(lo[3 * f] == -1.0 && lo[3 * f + 2] == -3.0);
+    }
+    free(position);
+    free(edges);
+    free(lo);
+}
+
+static void check_contacts(hid_t file, const struct synthetic_run *run)
+{
+    double *offset = read_values(file, "/connectivity/contacts/offset");
+    double *overlap = read_values(file, "/connectivity/contacts/overlap");
+    double *pair = read_values(file, "/connectivity/contacts/pair");
+    double *normal = read_values(file, "/connectivity/contacts/normal");
+    assert_int_equal(read_rows(file, "/connectivity/contacts/offset"), run->options.n_frames + 1);
+    assert_true(offset[0] == 0.0);
+    for (int f = 0; f < run->options.n_frames; f++) {
+        long start = (long)offset[f];
+        assert_int_equal((long)offset[f + 1] - start, synthetic_contacts(run, f));
+        for (int c = 0; c < synthetic_contacts(run, f); c++) {
+            assert_true(overlap[start + c] == synthetic_overlap(f, c));
+            assert_true(pair[2 * (start + c)] == c % (run->options.n_particles - 1));
+            assert_true(normal[3 * (start + c) + 2] == run->options.dimension - 0.5);
+        }
+    }
+    free(offset);
+    free(overlap);
+    free(pair);
+    free(normal);
+}
+
+static void check_walls(hid_t file, const struct synthetic_options *options)
+{
+    double *force = read_values(file, "/walls/state/force_n");
+    double *step = read_values(file, "/walls/command/step");
+    int n_walls = 2 * options->dimension;
+    assert_int_equal(read_rows(file, "/walls/state/force_n"), options->n_wall_states);
+    assert_int_equal(read_rows(file, "/walls/command/step"), options->n_wall_states);
+    for (int k = 0; k < options->n_wall_states; k++) {
+        assert_true(step[k] == 5 * k);
+        for (int w = 0; w < n_walls; w++)
+            assert_true(force[k * n_walls + w] == synthetic_wall_force(k, w));
+    }
+    free(force);
+    free(step);
+}
+
+/* Everything of the synthetic run is in the file, once, and the file says that it is complete. */
+static void check_run(const struct bench *bench)
+{
+    const struct synthetic_options *options = &bench->run.options;
+    hid_t file = read_open(bench->directory);
+    check_samples(file, options);
+    check_frames(file, options);
+    check_contacts(file, &bench->run);
+    if (options->walls)
+        check_walls(file, options);
+    else
+        assert_int_equal(read_rows(file, "/walls/state/step"), -1);
+    assert_true(read_attribute(file, "/", "complete") == 1.0);
+    assert_true(read_attribute(file, "/", "state_hash") == 0x1234);
+    assert_true(read_attribute(file, "/parameters", "n_particles") == options->n_particles);
+    assert_true(read_attribute(file, "/parameters", "run_id") == (double)options->run_id);
+    assert_true(read_text_is(file, "/parameters", "scene_text", "# \xc3\xbc"));
+    assert_true(read_text_is(file, "/", "reason", ""));
+    assert_true(H5Fclose(file) >= 0);
+}
+
+static void finish_complete(struct bench *bench)
+{
+    assert_true(recording_end_matches(bench->recording));
+    assert_int_equal(recording_finish(bench->recording), STATUS_OK);
+    assert_true(recording_is_complete(bench->recording));
+    check_run(bench);
+}
+
+static void run_round_trip(const struct synthetic_options *options)
+{
+    struct bench bench;
+    bench_open(&bench, options);
+    give_all(&bench);
+    finish_complete(&bench);
+    bench_close(&bench);
+}
+
+static void test_round_trip(void **state)
+{
+    (void)state;
+    struct synthetic_options options = synthetic_default;
+    run_round_trip(&options);
+    options.n_samples = 700; /* more than two blocks */
+    options.walls = true;
+    options.n_wall_states = 3000; /* not a whole number of blocks */
+    run_round_trip(&options);
+    options.dimension = 3;
+    options.frictional = true;
+    run_round_trip(&options);
+    options.n_frames = options.n_samples = options.n_wall_states = 0;
+    run_round_trip(&options);
+}
+
+static void test_friction_columns(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.frictional = true;
+    bench_open(&bench, &options);
+    give_all(&bench);
+    finish_complete(&bench);
+    hid_t file = read_open(bench.directory);
+    double *spin = read_values(file, "/particles/trajectory/angular_velocity/value");
+    double *sliding = read_values(file, "/connectivity/contacts/sliding");
+    /* The generator's k-th value, which is about y in 2D. */
+    assert_true(spin[3 * 7] == 0.0 && spin[3 * 7 + 1] == -synthetic_position(0, 3, 1) && spin[3 * 7 + 2] == 0.0);
+    assert_true(sliding[0] == 0.0 && sliding[1] == 1.0);
+    free(spin);
+    free(sliding);
+    assert_true(H5Fclose(file) >= 0);
+    bench_close(&bench);
+}
+
+static void test_gaps_and_repeats(void **state)
+{
+    struct bench bench;
+    uint64_t random = 1;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    /* A go-back-N sender over a bus that loses one of four messages and doubles one of four. */
+    for (int round = 0; round < 200 && !recording_end_matches(bench.recording); round++) {
+        int64_t next[RECORD_CHANNELS], seen[RECORD_CHANNELS] = {0};
+        shakedown_record_ack_t ack = {0};
+        recording_ack(bench.recording, next, &ack);
+        for (size_t k = 0; k < bench.run.count; k++) {
+            const struct synthetic_message *message = &bench.run.messages[k];
+            uint64_t dice = synthetic_random(&random) % 4;
+            if (seen[message->kind]++ < next[message->kind] || dice == 0)
+                continue;
+            give(&bench, message);
+            if (dice == 1)
+                give(&bench, message);
+        }
+    }
+    assert_true(recording_drops(bench.recording)->repeated > 0);
+    assert_true(recording_drops(bench.recording)->early > 0);
+    assert_int_equal(recording_drops(bench.recording)->malformed, 0);
+    finish_complete(&bench);
+    bench_close(&bench);
+}
+
+static void test_answers(void **state)
+{
+    struct bench bench;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    const struct synthetic_message *messages = bench.run.messages;
+    size_t sample = find(&bench.run, RECORD_SAMPLE, 0);
+    assert_int_equal(give(&bench, &messages[sample]), ANSWER_NOW); /* before RUN_INFO */
+    assert_int_equal(give(&bench, &messages[0]), ANSWER_NOW);
+    assert_int_equal(give(&bench, &messages[find(&bench.run, RECORD_FRAME_PARTICLES, 0)]), ANSWER_NOW); /* no radii */
+    assert_int_equal(give(&bench, &messages[sample]), ANSWER_SOON);
+    assert_int_equal(give(&bench, &messages[sample]), ANSWER_NOW);     /* again */
+    assert_int_equal(give(&bench, &messages[sample + 2]), ANSWER_NOW); /* gap */
+    assert_int_equal(give(&bench, &messages[bench.run.count - 1]), ANSWER_NOW);
+    assert_false(recording_end_matches(bench.recording));
+    give_all(&bench);
+    finish_complete(&bench);
+    int64_t next[RECORD_CHANNELS];
+    shakedown_record_ack_t ack = {0};
+    recording_ack(bench.recording, next, &ack);
+    assert_true(ack.complete && next[RECORD_SAMPLE] == synthetic_default.n_samples && next[RECORD_END] == 1);
+    bench_close(&bench);
+}
+
+static void test_foreign_and_oversized(void **state)
+{
+    struct bench bench;
+    struct synthetic_run other;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    options.run_id = 43;
+    synthetic_create(&other, &options);
+    unsigned char *large = calloc(1, BUS_MESSAGE_MAX + 1);
+    for (size_t k = 0; k < bench.run.count; k++) {
+        assert_int_equal(give(&bench, &other.messages[k]), ANSWER_NONE);
+        assert_int_equal(give_bytes(&bench, RECORD_SAMPLE, large, BUS_MESSAGE_MAX + 1), ANSWER_NONE);
+        give(&bench, &bench.run.messages[k]);
+    }
+    assert_int_equal(recording_drops(bench.recording)->foreign, other.count);
+    assert_int_equal(recording_drops(bench.recording)->oversized, other.count);
+    finish_complete(&bench);
+    free(large);
+    synthetic_free(&other);
+    bench_close(&bench);
+}
+
+static void put_int(unsigned char *bytes, int32_t value)
+{
+    for (int k = 0; k < 4; k++)
+        bytes[k] = (unsigned char)((uint32_t)value >> (24 - 8 * k));
+}
+
+/* Counts at which the generated decoders would read or write outside: they compute 8 n in an int. */
+static void test_hostile_counts(void **state)
+{
+    static const int32_t counts[] = {-1, INT32_MIN, 0x20000001, 0x10000001, 0x40000001, INT32_MAX, 251};
+    struct bench bench;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    for (size_t m = 0; m < bench.run.count; m++) {
+        const struct synthetic_message *message = &bench.run.messages[m];
+        unsigned char *bytes = malloc(message->size);
+        assert_non_null(bytes);
+        /* The header stays; every aligned or unaligned int after it in the front part is replaced in turn. */
+        for (size_t at = 40; at + 4 <= message->size && at < 120; at++) {
+            union message decoded;
+            memcpy(bytes, message->data, message->size);
+            put_int(bytes + at, counts[at % (sizeof counts / sizeof *counts)]);
+            if (message_decode(message->kind, bytes, message->size, &decoded) == STATUS_OK)
+                message_free(message->kind, &decoded);
+        }
+        free(bytes);
+    }
+    union message decoded;
+    const struct synthetic_message *particles = &bench.run.messages[1];
+    put_int(particles->data + 40 + 12, 0x20000001); /* `count` */
+    assert_int_equal(message_decode(RECORD_PARTICLES, particles->data, particles->size, &decoded), STATUS_FORMAT);
+    bench_close(&bench);
+}
+
+/* Random bytes anywhere: no crash, nothing but dropped or taken. What is only a wrong number is not seen here. */
+static void test_fuzz_decode(void **state)
+{
+    struct synthetic_run run;
+    uint64_t random = 2;
+    (void)state;
+    synthetic_create(&run, &synthetic_default);
+    for (int round = 0; round < 50000; round++) {
+        const struct synthetic_message *message = &run.messages[synthetic_random(&random) % run.count];
+        unsigned char *bytes = malloc(message->size);
+        assert_non_null(bytes);
+        memcpy(bytes, message->data, message->size);
+        size_t size = message->size;
+        if (synthetic_random(&random) % 3 == 0)
+            size = synthetic_random(&random) % (message->size + 1);
+        for (uint64_t flips = synthetic_random(&random) % 8; flips > 0 && size > 8; flips--) {
+            uint64_t place = synthetic_random(&random) % (size < 160 ? size : 160);
+            bytes[place] = (unsigned char)synthetic_random(&random);
+        }
+        union message decoded;
+        int kind = (int)(round % 16 == 0 ? synthetic_random(&random) % MESSAGE_KINDS : (uint64_t)message->kind);
+        if (message_decode(kind, bytes, size, &decoded) == STATUS_OK)
+            message_free(kind, &decoded);
+        free(bytes);
+    }
+    synthetic_free(&run);
+}
+
+/* Spoils a copy in a way that can be seen: cut, longer, of another type, of another run, out of turn, bad counts. */
+static size_t spoil(unsigned char *bytes, size_t size, uint64_t *random)
+{
+    switch (synthetic_random(random) % 5) {
+    case 0:
+        return synthetic_random(random) % size;
+    case 1:
+        bytes[size] = 0;
+        return size + 1;
+    case 2:
+        bytes[synthetic_random(random) % 8] ^= 1 + synthetic_random(random) % 255;
+        return size;
+    case 3:
+        bytes[8 + synthetic_random(random) % 16] ^= 1 + synthetic_random(random) % 255;
+        return size;
+    default:
+        for (size_t k = 40; k < size; k++)
+            bytes[k] = 0xff;
+        return size;
+    }
+}
+
+static void test_fuzz_recording(void **state)
+{
+    struct bench bench;
+    uint64_t random = 3;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.walls = true;
+    options.n_wall_states = 100;
+    bench_open(&bench, &options);
+    for (size_t k = 0; k < bench.run.count; k++) {
+        const struct synthetic_message *message = &bench.run.messages[k];
+        for (int copy = 0; copy < 10; copy++) {
+            unsigned char *bytes = malloc(message->size + 1);
+            assert_non_null(bytes);
+            memcpy(bytes, message->data, message->size);
+            size_t size = spoil(bytes, message->size, &random);
+            /* A wall message whose seq differs is a good one: its step counts. */
+            if (message->kind < RECORD_CHANNELS || size != message->size)
+                give_bytes(&bench, message->kind, bytes, size);
+            free(bytes);
+        }
+        give(&bench, message);
+    }
+    assert_true(recording_drops(bench.recording)->malformed > 0);
+    finish_complete(&bench);
+    bench_close(&bench);
+}
+
+/* Messages that are right in themselves but do not fit the run. */
+static void test_misfits(void **state)
+{
+    struct bench bench;
+    struct synthetic_run other;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    options.dimension = 3;
+    options.n_particles = 260;
+    synthetic_create(&other, &options);
+    give(&bench, &bench.run.messages[0]);
+    for (int kind = RECORD_PARTICLES; kind < RECORD_END; kind++) {
+        size_t last_chunk = kind == RECORD_PARTICLES ? 2 : 0; /* the one that would go beyond N */
+        for (size_t k = 0; k < last_chunk; k++)
+            give(&bench, &bench.run.messages[find(&bench.run, kind, (int)k)]);
+        give(&bench, &other.messages[find(&other, kind, (int)last_chunk)]);
+        assert_int_equal(recording_drops(bench.recording)->malformed, kind);
+        for (int k = (int)last_chunk; k < bench.run.next_seq[kind]; k++)
+            give(&bench, &bench.run.messages[find(&bench.run, kind, k)]);
+    }
+    give(&bench, &bench.run.messages[bench.run.count - 1]);
+    finish_complete(&bench);
+    synthetic_free(&other);
+    bench_close(&bench);
+}
+
+/* One message is lost for good: the run is never complete, the file is readable and holds the rest. */
+static void lose_one(int kind, int n)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    options.walls = true;
+    options.n_wall_states = 100;
+    bench_open(&bench, &options);
+    size_t lost = find(&bench.run, kind, n);
+    for (int round = 0; round < 3; round++) {
+        for (size_t k = 0; k < bench.run.count; k++) {
+            if (k != lost)
+                give(&bench, &bench.run.messages[k]);
+        }
+    }
+    assert_false(recording_end_matches(bench.recording));
+    assert_int_equal(recording_finish(bench.recording), STATUS_INCOMPLETE);
+    if (kind == RECORD_RUN_INFO) { /* nothing could be kept */
+        char path[128];
+        snprintf(path, sizeof path, "%s/run.h5", bench.directory);
+        assert_int_not_equal(access(path, F_OK), 0);
+    } else {
+        hid_t file = read_open(bench.directory);
+        assert_true(read_attribute(file, "/", "complete") == 0.0);
+        assert_true(H5Fclose(file) >= 0);
+        assert_non_null(strstr(status_message(), kind == RECORD_END ? "END is missing" : message_channel(kind)));
+    }
+    bench_close(&bench);
+}
+
+static void test_never_complete(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < MESSAGE_KINDS; kind++)
+        lose_one(kind, 0);
+    lose_one(RECORD_SAMPLE, 19); /* the last of a channel leaves no gap */
+    lose_one(RECORD_FRAME_CONTACTS, 5);
+    lose_one(MESSAGE_WALL_STATE, 99);
+    lose_one(MESSAGE_WALL_COMMAND, 99);
+}
+
+static void test_walls_before_run_info_and_repeated(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.walls = true;
+    options.n_wall_states = 50;
+    bench_open(&bench, &options);
+    for (int k = 0; k < 10; k++) {
+        give(&bench, &bench.run.messages[find(&bench.run, MESSAGE_WALL_STATE, k)]);
+        give(&bench, &bench.run.messages[find(&bench.run, MESSAGE_WALL_STATE, k)]);
+        give(&bench, &bench.run.messages[find(&bench.run, MESSAGE_WALL_COMMAND, k)]);
+    }
+    give_all(&bench);
+    assert_int_equal(recording_drops(bench.recording)->repeated, 30);
+    finish_complete(&bench);
+    bench_close(&bench);
+}
+
+static void test_walls_not_wanted(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.n_wall_states = 50;
+    bench_open(&bench, &options);
+    give(&bench, &bench.run.messages[find(&bench.run, MESSAGE_WALL_STATE, 0)]);
+    give_all(&bench);
+    finish_complete(&bench);
+    bench_close(&bench);
+}
+
+static void test_refuses_to_overwrite(void **state)
+{
+    struct bench bench;
+    struct recording *second;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    give_all(&bench);
+    finish_complete(&bench);
+    const struct recording_options options = {.directory = bench.directory, .run_id = 1};
+    assert_int_equal(recording_create(&second, &options), STATUS_IO);
+    assert_non_null(strstr(status_message(), "never overwritten"));
+    recording_free(second);
+    check_run(&bench);
+    bench_close(&bench);
+}
+
+static void test_directory_cannot_be_made(void **state)
+{
+    struct recording *recording;
+    const struct recording_options options = {.directory = "/dev/null/run", .run_id = 1};
+    (void)state;
+    assert_int_equal(recording_create(&recording, &options), STATUS_IO);
+    recording_free(recording);
+}
+
+/* A reader that is not ours: the HDF5 tools, and an XML parser. */
+static void test_other_readers(void **state)
+{
+    struct bench bench;
+    char command[512], text[256] = "";
+    (void)state;
+    if (system("command -v h5dump >h5dump.txt && command -v xmllint >h5dump.txt") != 0) {
+        fprintf(stderr, "SKIPPED: h5dump or xmllint is not installed\n");
+        skip();
+    }
+    bench_open(&bench, &synthetic_default);
+    give_all(&bench);
+    finish_complete(&bench);
+    snprintf(command, sizeof command, "h5dump %s/run.h5 >%s/h5dump.txt", bench.directory, bench.directory);
+    assert_int_equal(system(command), 0);
+    snprintf(command, sizeof command, "h5dump -y -w 1 -d /observables/strain/value %s/run.h5 | grep -c '^ *0.019, *$'",
+             bench.directory);
+    FILE *pipe = popen(command, "r");
+    assert_non_null(pipe);
+    assert_non_null(fgets(text, sizeof text, pipe));
+    assert_int_equal(pclose(pipe), 0);
+    assert_string_equal(text, "1\n"); /* strain x of the last sample */
+    snprintf(command, sizeof command, "xmllint --noout %s/run.xdmf", bench.directory);
+    assert_int_equal(system(command), 0);
+    (void)remove("h5dump.txt");
+    bench_close(&bench);
+}
+
+/* Every dataset that run.xdmf names is there, with the dimensions it says. */
+static void test_xdmf_refers_to_what_is_there(void **state)
+{
+    struct bench bench;
+    char path[128], line[512];
+    int references = 0, times = 0;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    give_all(&bench);
+    finish_complete(&bench);
+    snprintf(path, sizeof path, "%s/run.xdmf", bench.directory);
+    FILE *xdmf = fopen(path, "r");
+    assert_non_null(xdmf);
+    hid_t file = read_open(bench.directory);
+    while (fgets(line, sizeof line, xdmf)) {
+        char *name = strstr(line, "run.h5:");
+        long rows = 0;
+        times += strstr(line, "<Time Value") != NULL;
+        if (!name)
+            continue;
+        *strchr(name, '<') = '\0';
+        assert_int_equal(sscanf(strstr(line, "Dimensions=\"") + 12, "%ld", &rows), 1);
+        assert_int_equal(read_rows(file, name + 7), rows);
+        references++;
+    }
+    assert_int_equal(times, synthetic_default.n_frames);
+    assert_int_equal(references, 5 * synthetic_default.n_frames); /* position, velocity, radius, mass, id */
+    assert_int_equal(fclose(xdmf), 0);
+    assert_true(H5Fclose(file) >= 0);
+    bench_close(&bench);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_friction_columns),
+        cmocka_unit_test(test_gaps_and_repeats),
+        cmocka_unit_test(test_answers),
+        cmocka_unit_test(test_foreign_and_oversized),
+        cmocka_unit_test(test_hostile_counts),
+        cmocka_unit_test(test_fuzz_decode),
+        cmocka_unit_test(test_fuzz_recording),
+        cmocka_unit_test(test_misfits),
+        cmocka_unit_test(test_never_complete),
+        cmocka_unit_test(test_walls_before_run_info_and_repeated),
+        cmocka_unit_test(test_walls_not_wanted),
+        cmocka_unit_test(test_refuses_to_overwrite),
+        cmocka_unit_test(test_directory_cannot_be_made),
+        cmocka_unit_test(test_other_readers),
+        cmocka_unit_test(test_xdmf_refers_to_what_is_there),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
