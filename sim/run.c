@@ -285,9 +285,9 @@ enum status run_scene(const struct scene *scene, const struct run_options *optio
     if (run.bus.lcm)
         bus_close(&run.bus);
     if (options->progress)
-        fprintf(stderr, "sim: %" PRId64 " steps, %.3f s, %.2f us per step, hash %016" PRIx64 "\n", run.world->step,
+        fprintf(stderr, "sim: %" PRId64 " steps, %.3f s, %.2f us per step, %" PRId64 " list builds, %d candidates, hash %016" PRIx64 "\n", run.world->step,
                 clock_now_s() - run.start_s,
-                run.world->step ? 1e6 * (clock_now_s() - run.start_s) / (double)run.world->step : 0, world_hash(run.world));
+                run.world->step ? 1e6 * (clock_now_s() - run.start_s) / (double)run.world->step : 0, run.world->neighbor.rebuilds, run.world->pairs.count, world_hash(run.world));
     world_free(run.world);
     return status;
 }
