@@ -5,9 +5,22 @@
 
 #include "recorder/event_log.h"
 
+/* As when recording live, so that what was written so far is readable if the disk becomes full. */
+static const double FLUSH_EVERY_S = 2.0;
+
+static enum status flush_now_and_then(struct recording *recording, double *flush_at_s)
+{
+    if (clock_now_s() - *flush_at_s < FLUSH_EVERY_S)
+        return STATUS_OK;
+    TRY(recording_flush(recording));
+    *flush_at_s = clock_now_s();
+    return STATUS_OK;
+}
+
 static enum status take_events(struct recording *recording, struct event_reader *reader)
 {
     struct event event;
+    double flush_at_s = clock_now_s();
     bool found;
     TRY(event_reader_next(reader, &event, &found));
     while (found) {
@@ -15,6 +28,7 @@ static enum status take_events(struct recording *recording, struct event_reader 
         int kind = message_kind(event.channel);
         if (kind >= 0)
             TRY(recording_take(recording, kind, event.data, event.size, &answer));
+        TRY(flush_now_and_then(recording, &flush_at_s));
         TRY(event_reader_next(reader, &event, &found));
     }
     return STATUS_OK;

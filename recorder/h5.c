@@ -1,21 +1,40 @@
 #include "recorder/h5.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { REASON_MAX = 512 };
 
 /* The innermost entry of HDF5's stack says what the system said. */
 static herr_t keep_reason(unsigned depth, const H5E_error2_t *entry, void *reason)
 {
     (void)depth;
-    snprintf(reason, 256, "%s", entry->desc ? entry->desc : "");
+    snprintf(reason, REASON_MAX, "%s", entry->desc ? entry->desc : "");
     return 1;
 }
 
+/* Keeps the system's message of a reason like "file write failed: time = ..., error message = 'File too large', ...".
+ */
+static void shorten(char reason[REASON_MAX])
+{
+    static const char mark[] = "error message = '";
+    char *start = strstr(reason, mark);
+    char *end = start ? strchr(start + sizeof mark - 1, '\'') : NULL;
+    if (!end)
+        return;
+    *end = '\0';
+    memmove(reason, start + sizeof mark - 1, (size_t)(end - start) - sizeof mark + 2);
+}
+
+/* To be called right after what failed: the next call into HDF5 forgets the reason. */
 static enum status fail(const char *what, const char *path)
 {
-    char reason[256] = "";
-    if (H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, reason) < 0)
+    char reason[REASON_MAX] = "";
+    if (H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, reason) < 0 || !reason[0])
         snprintf(reason, sizeof reason, "HDF5 gives no reason");
+    shorten(reason);
     return status_fail(STATUS_IO, "cannot %s %s: %s", what, path, reason);
 }
 
@@ -23,6 +42,14 @@ static enum status fail(const char *what, const char *path)
 static enum status check(bool ok, const char *what, const char *path)
 {
     return ok ? STATUS_OK : fail(what, path);
+}
+
+/* Closes `id` if it is open; a failure before it stays the one that is told. */
+static enum status release(enum status status, hid_t id, herr_t (*close)(hid_t), const char *path)
+{
+    if (id < 0 || close(id) >= 0 || status != STATUS_OK)
+        return status;
+    return fail("close", path);
 }
 
 /* The cache writes metadata when it likes; a kill in between would leave nodes of different ages. */
@@ -41,21 +68,34 @@ static bool keep_metadata_until_flush(hid_t access)
 enum status h5_file_create(const char *path, hid_t *file)
 {
     *file = H5I_INVALID_HID;
-    (void)H5dont_atexit(); /* fails if HDF5 is in use already, which does no harm */
-    if (H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0)
-        return fail("set up HDF5 for", path);
+    (void)H5dont_atexit(); /* fails if it was called before, which does no harm */
+    TRY(check(H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0, "set up HDF5 for", path));
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    if (access < 0)
-        return fail("set up HDF5 for", path);
-    bool set = keep_metadata_until_flush(access);
-    if (set)
+    enum status status = check(access >= 0 && keep_metadata_until_flush(access), "set up HDF5 for", path);
+    if (status == STATUS_OK) {
         *file = H5Fcreate(path, H5F_ACC_EXCL, H5P_DEFAULT, access);
-    enum status status = check(*file >= 0, "create", path);
-    return H5Pclose(access) < 0 && status == STATUS_OK ? fail("create", path) : status;
+        status = check(*file >= 0, "create", path);
+    }
+    return release(status, access, H5Pclose, path);
+}
+
+/* Has the file system set aside room for all that HDF5 has given an address to. Chunks are written when they come
+ * (chunk_access), so after this a flush does not fail for want of room half way through the metadata. */
+static enum status reserve(hid_t file)
+{
+    hsize_t size;
+    void *handle;
+    TRY(check(H5Fget_filesize(file, &size) >= 0, "flush", "run.h5"));
+    TRY(check(H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0, "flush", "run.h5"));
+    int descriptor = *(int *)handle;
+    if (fallocate(descriptor, 0, 0, (off_t)size) == 0 || errno == EOPNOTSUPP || errno == ENOSYS)
+        return STATUS_OK; /* some file systems cannot promise */
+    return status_fail(STATUS_IO, "cannot write run.h5: %s", strerror(errno));
 }
 
 enum status h5_file_flush(hid_t file)
 {
+    TRY(reserve(file));
     return check(H5Fflush(file, H5F_SCOPE_LOCAL) >= 0, "flush", "run.h5");
 }
 
@@ -64,27 +104,23 @@ enum status h5_file_close(hid_t file)
     return check(H5Fclose(file) >= 0, "close", "run.h5");
 }
 
-/* Link properties that make the groups on the way; negative on failure. */
-static hid_t link_with_groups(void)
+/* Link properties that make the groups on the way; to be closed also on failure. */
+static enum status link_with_groups(hid_t *links, const char *path)
 {
-    hid_t properties = H5Pcreate(H5P_LINK_CREATE);
-    if (properties >= 0 && H5Pset_create_intermediate_group(properties, 1) < 0) {
-        (void)H5Pclose(properties);
-        return H5I_INVALID_HID;
-    }
-    return properties;
+    *links = H5Pcreate(H5P_LINK_CREATE);
+    return check(*links >= 0 && H5Pset_create_intermediate_group(*links, 1) >= 0, "create", path);
 }
 
 enum status h5_group_create(hid_t file, const char *path)
 {
-    hid_t links = link_with_groups();
-    hid_t group = links < 0 ? links : H5Gcreate2(file, path, links, H5P_DEFAULT, H5P_DEFAULT);
-    enum status status = check(group >= 0, "create the group", path);
-    if (group >= 0 && H5Gclose(group) < 0 && status == STATUS_OK)
-        status = fail("close the group", path);
-    if (links >= 0 && H5Pclose(links) < 0 && status == STATUS_OK)
-        status = fail("create the group", path);
-    return status;
+    hid_t links, group = H5I_INVALID_HID;
+    enum status status = link_with_groups(&links, path);
+    if (status == STATUS_OK) {
+        group = H5Gcreate2(file, path, links, H5P_DEFAULT, H5P_DEFAULT);
+        status = check(group >= 0, "create", path);
+    }
+    status = release(status, group, H5Gclose, path);
+    return release(status, links, H5Pclose, path);
 }
 
 enum status h5_link(hid_t file, const char *target, const char *name)
@@ -92,28 +128,37 @@ enum status h5_link(hid_t file, const char *target, const char *name)
     return check(H5Lcreate_hard(file, target, file, name, H5P_DEFAULT, H5P_DEFAULT) >= 0, "link", name);
 }
 
-static hid_t dataset_create(hid_t file, const char *path, hid_t type, hid_t space, hid_t properties)
+/* Access without a cache of chunks: they are written whole or once in a while, and a full disk shall be seen at the
+ * write. To be closed also on failure. */
+static enum status chunk_access(const char *path, hid_t *access)
 {
-    hid_t links = link_with_groups();
-    if (links < 0)
-        return links;
-    hid_t id = H5Dcreate2(file, path, type, space, links, properties, H5P_DEFAULT);
-    return H5Pclose(links) < 0 ? H5I_INVALID_HID : id;
+    *access = H5Pcreate(H5P_DATASET_ACCESS);
+    return check(*access >= 0 && H5Pset_chunk_cache(*access, 0, 0, 1.0) >= 0, "create", path);
 }
 
-/* Dataset properties of a layout; negative on failure. */
-static hid_t layout_properties(int rank, const struct h5_layout *layout)
+static enum status dataset_create(hid_t file, const char *path, hid_t type, hid_t space, hid_t properties, hid_t *id)
 {
-    hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
-    if (properties < 0)
-        return properties;
-    bool ok = H5Pset_chunk(properties, rank, layout->chunk) >= 0;
+    hid_t links, access = H5I_INVALID_HID;
+    *id = H5I_INVALID_HID;
+    enum status status = link_with_groups(&links, path);
+    if (status == STATUS_OK)
+        status = chunk_access(path, &access);
+    if (status == STATUS_OK) {
+        *id = H5Dcreate2(file, path, type, space, links, properties, access);
+        status = check(*id >= 0, "create", path);
+    }
+    status = release(status, access, H5Pclose, path);
+    return release(status, links, H5Pclose, path);
+}
+
+/* Dataset properties of a layout; to be closed also on failure. */
+static enum status layout_properties(int rank, const struct h5_layout *layout, const char *path, hid_t *properties)
+{
+    *properties = H5Pcreate(H5P_DATASET_CREATE);
+    bool ok = *properties >= 0 && H5Pset_chunk(*properties, rank, layout->chunk) >= 0;
     if (ok && layout->deflate > 0)
-        ok = H5Pset_shuffle(properties) >= 0 && H5Pset_deflate(properties, (unsigned)layout->deflate) >= 0;
-    if (ok)
-        return properties;
-    (void)H5Pclose(properties);
-    return H5I_INVALID_HID;
+        ok = H5Pset_shuffle(*properties) >= 0 && H5Pset_deflate(*properties, (unsigned)layout->deflate) >= 0;
+    return check(ok, "create", path);
 }
 
 enum status h5_series_create(hid_t file, const char *path, hid_t type, int rank, const hsize_t *row_dims,
@@ -123,30 +168,29 @@ enum status h5_series_create(hid_t file, const char *path, hid_t type, int rank,
     hsize_t limits[H5_RANK_MAX] = {H5S_UNLIMITED};
     for (int k = 1; k < rank; k++)
         limits[k] = series->dims[k] = row_dims[k - 1];
+    hid_t properties = H5I_INVALID_HID;
     hid_t space = H5Screate_simple(rank, series->dims, limits);
-    hid_t properties = layout_properties(rank, layout);
-    if (space >= 0 && properties >= 0)
-        series->id = dataset_create(file, path, type, space, properties);
-    enum status status = check(series->id >= 0, "create", path);
-    if (properties >= 0 && H5Pclose(properties) < 0 && status == STATUS_OK)
-        status = fail("create", path);
-    if (space >= 0 && H5Sclose(space) < 0 && status == STATUS_OK)
-        status = fail("create", path);
-    TRY(status);
+    enum status status = check(space >= 0, "create", path);
+    if (status == STATUS_OK)
+        status = layout_properties(rank, layout, path, &properties);
+    if (status == STATUS_OK)
+        status = dataset_create(file, path, type, space, properties, &series->id);
+    status = release(status, properties, H5Pclose, path);
+    TRY(release(status, space, H5Sclose, path));
     return h5_attribute_text(file, path, "unit_si", unit);
 }
 
-static bool write_rows(const struct h5_series *series, hid_t file_space, hsize_t rows, const void *data)
+/* Writes into the selection of the last `rows` rows. */
+static enum status write_rows(const struct h5_series *series, hid_t file_space, hsize_t rows, const void *data)
 {
     hsize_t start[H5_RANK_MAX] = {series->rows};
     hsize_t count[H5_RANK_MAX] = {rows, series->dims[1], series->dims[2]};
-    if (H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, NULL, count, NULL) < 0)
-        return false;
+    TRY(check(H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0, "write", "run.h5"));
     hid_t memory = H5Screate_simple(series->rank, count, NULL);
-    if (memory < 0)
-        return false;
-    bool ok = H5Dwrite(series->id, series->type, memory, file_space, H5P_DEFAULT, data) >= 0;
-    return H5Sclose(memory) >= 0 && ok;
+    TRY(check(memory >= 0, "write", "run.h5"));
+    enum status status =
+        check(H5Dwrite(series->id, series->type, memory, file_space, H5P_DEFAULT, data) >= 0, "write", "run.h5");
+    return release(status, memory, H5Sclose, "run.h5");
 }
 
 enum status h5_series_append(struct h5_series *series, hsize_t rows, const void *data)
@@ -154,100 +198,89 @@ enum status h5_series_append(struct h5_series *series, hsize_t rows, const void 
     if (rows == 0)
         return STATUS_OK;
     hsize_t dims[H5_RANK_MAX] = {series->rows + rows, series->dims[1], series->dims[2]};
-    if (H5Dset_extent(series->id, dims) < 0)
-        return fail("extend a dataset of", "run.h5");
+    TRY(check(H5Dset_extent(series->id, dims) >= 0, "extend", "run.h5"));
     hid_t space = H5Dget_space(series->id);
-    if (space < 0)
-        return fail("write", "run.h5");
-    bool ok = write_rows(series, space, rows, data);
-    enum status status = check(ok, "write", "run.h5");
-    if (H5Sclose(space) < 0 && status == STATUS_OK)
-        status = fail("write", "run.h5");
-    series->rows += ok ? rows : 0;
-    return status;
+    TRY(check(space >= 0, "write", "run.h5"));
+    enum status status = write_rows(series, space, rows, data);
+    TRY(release(status, space, H5Sclose, "run.h5"));
+    series->rows += rows;
+    return STATUS_OK;
 }
 
 enum status h5_series_close(struct h5_series *series)
 {
     hid_t id = series->id;
     series->id = H5I_INVALID_HID;
-    return check(id < 0 || H5Dclose(id) >= 0, "close a dataset of", "run.h5");
+    return release(STATUS_OK, id, H5Dclose, "run.h5");
 }
 
 enum status h5_vector_write(hid_t file, const char *path, hid_t type, hsize_t n, const void *data, const char *unit)
 {
+    hid_t id = H5I_INVALID_HID;
     hid_t space = H5Screate_simple(1, &n, NULL);
-    hid_t id = space < 0 ? space : dataset_create(file, path, type, space, H5P_DEFAULT);
-    bool ok = id >= 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
-    enum status status = check(ok, "write", path);
-    if (id >= 0 && H5Dclose(id) < 0 && status == STATUS_OK)
-        status = fail("write", path);
-    if (space >= 0 && H5Sclose(space) < 0 && status == STATUS_OK)
-        status = fail("write", path);
-    TRY(status);
+    enum status status = check(space >= 0, "create", path);
+    if (status == STATUS_OK)
+        status = dataset_create(file, path, type, space, H5P_DEFAULT, &id);
+    if (status == STATUS_OK)
+        status = check(H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, "write", path);
+    status = release(status, id, H5Dclose, path);
+    TRY(release(status, space, H5Sclose, path));
     return h5_attribute_text(file, path, "unit_si", unit);
 }
 
-static bool write_attribute(hid_t file, const char *path, const char *name, hid_t type, hid_t space, const void *data)
+static enum status write_attribute(hid_t file, const char *path, const char *name, hid_t type, hid_t space,
+                                   const void *data)
 {
     htri_t exists = H5Aexists_by_name(file, path, name, H5P_DEFAULT);
-    if (exists < 0 || (exists > 0 && H5Adelete_by_name(file, path, name, H5P_DEFAULT) < 0))
-        return false;
+    TRY(check(exists >= 0, "look for the attribute", name));
+    if (exists > 0)
+        TRY(check(H5Adelete_by_name(file, path, name, H5P_DEFAULT) >= 0, "replace the attribute", name));
     hid_t id = H5Acreate_by_name(file, path, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    if (id < 0)
-        return false;
-    bool ok = H5Awrite(id, type, data) >= 0;
-    return H5Aclose(id) >= 0 && ok;
+    TRY(check(id >= 0, "create the attribute", name));
+    enum status status = check(H5Awrite(id, type, data) >= 0, "write the attribute", name);
+    return release(status, id, H5Aclose, name);
 }
 
 enum status h5_attribute_numbers(hid_t file, const char *path, const char *name, hid_t type, hsize_t n,
                                  const void *data)
 {
     hid_t space = n == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &n, NULL);
-    enum status status = check(space >= 0 && write_attribute(file, path, name, type, space, data), "write", name);
-    if (space >= 0 && H5Sclose(space) < 0 && status == STATUS_OK)
-        status = fail("write", name);
-    return status;
+    TRY(check(space >= 0, "create the attribute", name));
+    enum status status = write_attribute(file, path, name, type, space, data);
+    return release(status, space, H5Sclose, name);
 }
 
-/* A type of texts of `size` bytes, the zero included; negative on failure. */
-static hid_t text_type(size_t size)
+/* A type of texts of `size` bytes, the zero included; to be closed also on failure. */
+static enum status text_type(size_t size, const char *name, hid_t *type)
 {
-    hid_t type = H5Tcopy(H5T_C_S1);
-    if (type >= 0 && (H5Tset_size(type, size) < 0 || H5Tset_cset(type, H5T_CSET_UTF8) < 0)) {
-        (void)H5Tclose(type);
-        return H5I_INVALID_HID;
-    }
-    return type;
+    *type = H5Tcopy(H5T_C_S1);
+    bool ok = *type >= 0 && H5Tset_size(*type, size) >= 0 && H5Tset_cset(*type, H5T_CSET_UTF8) >= 0;
+    return check(ok, "create the attribute", name);
 }
 
 enum status h5_attribute_text(hid_t file, const char *path, const char *name, const char *text)
 {
-    hid_t type = text_type(strlen(text) + 1);
-    if (type < 0)
-        return fail("write", name);
-    enum status status = h5_attribute_numbers(file, path, name, type, 0, text);
-    return H5Tclose(type) < 0 && status == STATUS_OK ? fail("write", name) : status;
+    hid_t type;
+    enum status status = text_type(strlen(text) + 1, name, &type);
+    if (status == STATUS_OK)
+        status = h5_attribute_numbers(file, path, name, type, 0, text);
+    return release(status, type, H5Tclose, name);
 }
 
 enum status h5_attribute_texts(hid_t file, const char *path, const char *name, const char *const *texts, size_t n)
 {
     size_t size = 1;
+    hid_t type;
     for (size_t k = 0; k < n; k++)
         size = strlen(texts[k]) + 1 > size ? strlen(texts[k]) + 1 : size;
     char *packed = calloc(n, size);
-    hid_t type = text_type(size);
-    enum status status = STATUS_OK;
     if (!packed)
-        status = status_fail(STATUS_NO_MEMORY, "no memory for the attribute %s", name);
-    for (size_t k = 0; packed && k < n; k++)
+        return status_fail(STATUS_NO_MEMORY, "no memory for the attribute %s", name);
+    for (size_t k = 0; k < n; k++)
         memcpy(packed + k * size, texts[k], strlen(texts[k]));
-    if (status == STATUS_OK)
-        status = check(type >= 0, "write", name);
+    enum status status = text_type(size, name, &type);
     if (status == STATUS_OK)
         status = h5_attribute_numbers(file, path, name, type, n, packed);
-    if (type >= 0 && H5Tclose(type) < 0 && status == STATUS_OK)
-        status = fail("write", name);
     free(packed);
-    return status;
+    return release(status, type, H5Tclose, name);
 }

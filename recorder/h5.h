@@ -31,7 +31,9 @@ struct h5_layout {
 enum status h5_file_create(const char *path, hid_t *file) MUST_USE;
 enum status h5_file_flush(hid_t file) MUST_USE;
 
-/* Closes the file, tries even after failures before. Everything opened in it must be closed. */
+/* Closes the file. Everything opened in it must be closed. After a failed write better leave it open: closing would
+ * write metadata that do not fit the data, and the file would be unreadable, where now it is as the last flush left it.
+ */
 enum status h5_file_close(hid_t file) MUST_USE;
 
 /* Creates a group with the groups on its way. */

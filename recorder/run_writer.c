@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "recorder/h5.h"
 #include "recorder/table.h"
@@ -271,7 +272,10 @@ enum status run_writer_create(struct run_writer **result, const char *path, cons
     for (int id = 0; id < N_SERIES; id++)
         writer->series[id].id = H5I_INVALID_HID;
     TRY(note(writer, h5_file_create(path, &writer->file)));
-    return note(writer, contents_create(writer, info, walls));
+    enum status status = note(writer, contents_create(writer, info, walls));
+    if (status != STATUS_OK)
+        (void)unlink(path); /* never flushed, so no one can read it */
+    return status;
 }
 
 static enum status particles_write(struct run_writer *writer, const struct particle_set *set, int32_t *ids)
@@ -429,25 +433,26 @@ static enum status finish(struct run_writer *writer, bool complete)
     return h5_file_flush(writer->file);
 }
 
-/* Keeps the first failure. */
-static void keep(enum status *first, enum status status)
+static enum status all_close(struct run_writer *writer)
 {
-    if (*first == STATUS_OK)
-        *first = status;
+    for (int id = 0; id < N_SERIES; id++)
+        TRY(h5_series_close(&writer->series[id]));
+    TRY(table_close(writer->samples));
+    TRY(table_close(writer->wall_states));
+    TRY(table_close(writer->wall_commands));
+    return h5_file_close(writer->file);
 }
 
 enum status run_writer_close(struct run_writer *writer, bool complete)
 {
     if (!writer)
         return STATUS_OK;
-    enum status status = writer->file < 0 || writer->failed ? STATUS_OK : finish(writer, complete);
-    for (int id = 0; id < N_SERIES; id++)
-        keep(&status, h5_series_close(&writer->series[id]));
-    keep(&status, table_free(writer->samples));
-    keep(&status, table_free(writer->wall_states));
-    keep(&status, table_free(writer->wall_commands));
-    if (writer->file >= 0)
-        keep(&status, h5_file_close(writer->file));
+    enum status status = writer->failed ? STATUS_IO : finish(writer, complete); /* the message of the failure stays */
+    if (status == STATUS_OK)
+        status = all_close(writer);
+    table_free(writer->samples);
+    table_free(writer->wall_states);
+    table_free(writer->wall_commands);
     free(writer);
     return status;
 }

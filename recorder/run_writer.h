@@ -13,7 +13,8 @@ struct run_counts {
 };
 
 /* Creates `path` (STATUS_IO if it exists) with everything that RUN_INFO fixes and `complete` = 0; readable from then
- * on. `walls`: with the tables of wall states and commands. On failure *writer may be not NULL and wants closing. */
+ * on. `walls`: with the tables of wall states and commands. On failure there is no file, and *writer may be not NULL
+ * and wants closing. */
 enum status run_writer_create(struct run_writer **writer, const char *path, const shakedown_run_info_t *info,
                               bool walls) MUST_USE;
 
@@ -37,8 +38,8 @@ enum status run_writer_end(struct run_writer *writer, const shakedown_end_t *end
 
 struct run_counts run_writer_counts(const struct run_writer *writer);
 
-/* Writes what waits, flushes, then, if `complete`, sets the attribute `complete`; closes the file, also after failures.
- * Frees the writer. NULL is nothing. */
+/* Writes what waits, flushes, then, if `complete`, sets the attribute `complete`; closes the file. After a failure the
+ * file is left to the end of the process as the last flush left it. Frees the writer. NULL is nothing. */
 enum status run_writer_close(struct run_writer *writer, bool complete) MUST_USE;
 
 #endif

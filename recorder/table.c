@@ -113,17 +113,22 @@ int64_t table_rows(const struct table *table)
     return (int64_t)(table->written + table->waiting);
 }
 
-enum status table_free(struct table *table)
+enum status table_close(struct table *table)
 {
     enum status status = STATUS_OK;
-    if (!table)
-        return status;
-    for (size_t c = 0; c < table->n_columns; c++) {
+    for (size_t c = 0; table && c < table->n_columns; c++) {
         enum status closed = h5_series_close(&table->columns[c].series);
         status = status == STATUS_OK ? closed : status;
-        free(table->columns[c].buffer);
     }
+    return status;
+}
+
+void table_free(struct table *table)
+{
+    if (!table)
+        return;
+    for (size_t c = 0; c < table->n_columns; c++)
+        free(table->columns[c].buffer);
     free(table->columns);
     free(table);
-    return status;
 }

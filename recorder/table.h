@@ -31,7 +31,10 @@ enum status table_flush(struct table *table, bool last) MUST_USE;
 /* Rows taken, written or waiting. */
 int64_t table_rows(const struct table *table);
 
-/* Closes the datasets; does not write what waits. NULL is nothing. */
-enum status table_free(struct table *table) MUST_USE;
+/* Closes the datasets; what waits is not written. NULL is nothing. */
+enum status table_close(struct table *table) MUST_USE;
+
+/* Releases the memory, no datasets. NULL is nothing. */
+void table_free(struct table *table);
 
 #endif

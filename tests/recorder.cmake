@@ -3,10 +3,21 @@
 add_library(test_recorder_support STATIC test_recorder_synthetic.c test_recorder_read.c)
 target_link_libraries(test_recorder_support PUBLIC shakedown_recorder PkgConfig::CMOCKA)
 
-foreach(name test_recorder)
+foreach(name test_recorder test_recorder_log test_recorder_fault test_recorder_live)
   add_executable(${name} ${name}.c)
   target_link_libraries(${name} PRIVATE test_recorder_support)
 endforeach()
 
 add_test(NAME recorder COMMAND test_recorder)
 set_tests_properties(recorder PROPERTIES LABELS unit TIMEOUT 120)
+
+add_test(NAME recorder_log COMMAND test_recorder_log)
+set_tests_properties(recorder_log PROPERTIES LABELS replay TIMEOUT 120)
+
+add_test(NAME recorder_fault COMMAND test_recorder_fault $<TARGET_FILE:recorder>)
+set_tests_properties(recorder_fault PROPERTIES LABELS fault TIMEOUT 120)
+
+# 125: no private network namespace to be had here; in_namespace.sh says why.
+add_test(NAME recorder_live COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/in_namespace.sh $<TARGET_FILE:test_recorder_live>
+                                    $<TARGET_FILE:recorder>)
+set_tests_properties(recorder_live PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 125)

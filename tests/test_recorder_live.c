@@ -1,0 +1,298 @@
+/* The recorder's process on a real bus, with a sender that does as sim does. To be run in a network namespace of its
+ * own. Argument: the recorder's executable. */
+#include <fcntl.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "common/record_stream.h"
+#include "test_recorder_read.h"
+#include "test_recorder_synthetic.h"
+
+static const char *recorder_path;
+static const double STREAM_TIMEOUT_S = 20.0;
+
+struct bench {
+    char directory[64];
+    struct synthetic_run run;
+    struct bus bus;
+    struct record_stream *stream;
+    pid_t recorder;
+    FILE *errors; /* the recorder's stderr */
+};
+
+/* In the child. */
+static void exec_recorder(const struct bench *bench, const char *timeout, rlim_t size_limit)
+{
+    char run_id[32];
+    const struct rlimit limit = {size_limit, size_limit};
+    snprintf(run_id, sizeof run_id, "%lld", (long long)bench->run.options.run_id);
+    if (size_limit != RLIM_INFINITY && setrlimit(RLIMIT_FSIZE, &limit) != 0)
+        _exit(126);
+    execl(recorder_path, recorder_path, "--run-id", run_id, "--out", bench->directory, "--timeout", timeout,
+          (char *)NULL);
+    _exit(127);
+}
+
+static void recorder_start(struct bench *bench, const char *timeout, rlim_t size_limit)
+{
+    int ends[2];
+    assert_int_equal(pipe2(ends, O_CLOEXEC), 0);
+    bench->recorder = fork();
+    assert_true(bench->recorder >= 0);
+    if (bench->recorder == 0) {
+        if (dup2(ends[1], STDERR_FILENO) < 0)
+            _exit(126);
+        exec_recorder(bench, timeout, size_limit);
+    }
+    assert_int_equal(close(ends[1]), 0);
+    bench->errors = fdopen(ends[0], "r");
+    assert_non_null(bench->errors);
+}
+
+/* Waits for the end; its exit code. */
+static int recorder_wait(struct bench *bench)
+{
+    int status;
+    assert_int_equal(waitpid(bench->recorder, &status, 0), bench->recorder);
+    assert_int_equal(fclose(bench->errors), 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/* Reads the recorder's stderr up to a line that holds `text`. */
+static void await_error(struct bench *bench, const char *text)
+{
+    char line[512];
+    while (fgets(line, sizeof line, bench->errors)) {
+        if (strstr(line, text))
+            return;
+    }
+    fail_msg("the recorder never said \"%s\"", text);
+}
+
+static void bench_open(struct bench *bench, const struct synthetic_options *options)
+{
+    synthetic_directory(bench->directory);
+    synthetic_create(&bench->run, options);
+    assert_int_equal(bus_open(&bench->bus, NULL), STATUS_OK);
+    assert_int_equal(record_stream_create(&bench->stream, &bench->bus, options->run_id, STREAM_TIMEOUT_S), STATUS_OK);
+}
+
+static void bench_close(struct bench *bench)
+{
+    record_stream_free(bench->stream);
+    bus_close(&bench->bus);
+    synthetic_free(&bench->run);
+    synthetic_directory_remove(bench->directory);
+}
+
+/* Sends messages [from, to); after every 100 wall messages waits for the recorder, as sim is held up by wallctl. */
+static enum status send_range(struct bench *bench, size_t from, size_t to)
+{
+    int unpaced = 0;
+    for (size_t k = from; k < to; k++) {
+        const struct synthetic_message *message = &bench->run.messages[k];
+        if (message->kind < RECORD_CHANNELS) {
+            TRY(record_stream_publish(bench->stream, message->kind, message->data, message->size));
+            if (k == 0 || unpaced > 100) {
+                TRY(record_stream_flush(bench->stream));
+                unpaced = 0;
+            }
+            continue;
+        }
+        TRY(bus_publish(&bench->bus, message_channel(message->kind), message->data, message->size));
+        unpaced++;
+    }
+    return record_stream_flush(bench->stream);
+}
+
+static void check_file(const struct bench *bench, bool complete, long samples)
+{
+    hid_t file = read_open(bench->directory);
+    assert_true(read_attribute(file, "/", "complete") == (complete ? 1.0 : 0.0));
+    assert_int_equal(read_rows(file, "/observables/strain/value"), samples);
+    double *strain = read_values(file, "/observables/strain/value");
+    for (long s = 0; s < samples; s++)
+        assert_true(strain[2 * s] == synthetic_strain((int)s, 0));
+    free(strain);
+    assert_true(H5Fclose(file) >= 0);
+}
+
+static void test_complete_run(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.n_samples = 300;
+    options.n_frames = 40;
+    bench_open(&bench, &options);
+    recorder_start(&bench, "20", RLIM_INFINITY);
+    assert_int_equal(send_range(&bench, 0, bench.run.count), STATUS_OK);
+    assert_int_equal(recorder_wait(&bench), 0);
+    check_file(&bench, true, options.n_samples);
+    bench_close(&bench);
+}
+
+static void test_walls_and_event_log(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.walls = options.event_log = true;
+    options.n_samples = 80;
+    options.n_wall_states = 4000;
+    bench_open(&bench, &options);
+    recorder_start(&bench, "20", RLIM_INFINITY);
+    double start_s = clock_now_s();
+    assert_int_equal(send_range(&bench, 0, bench.run.count), STATUS_OK);
+    printf("over the bus: %.0f wall messages/s\n", 2.0 * options.n_wall_states / (clock_now_s() - start_s));
+    assert_int_equal(recorder_wait(&bench), 0);
+    check_file(&bench, true, options.n_samples);
+    hid_t file = read_open(bench.directory);
+    assert_int_equal(read_rows(file, "/walls/state/step"), options.n_wall_states);
+    assert_int_equal(read_rows(file, "/walls/command/step"), options.n_wall_states);
+    assert_true(H5Fclose(file) >= 0);
+    bench_close(&bench);
+}
+
+/* Another run on the same bus, and junk on our channels. */
+static void test_strangers(void **state)
+{
+    struct bench bench;
+    struct synthetic_run other;
+    struct synthetic_options options = synthetic_default;
+    uint64_t random = 5;
+    (void)state;
+    bench_open(&bench, &options);
+    options.run_id = 43;
+    synthetic_create(&other, &options);
+    recorder_start(&bench, "20", RLIM_INFINITY);
+    for (size_t k = 0; k + 1 < bench.run.count; k++) {
+        unsigned char junk[64];
+        for (size_t b = 0; b < sizeof junk; b++)
+            junk[b] = (unsigned char)synthetic_random(&random);
+        const struct synthetic_message *stranger = &other.messages[k];
+        const char *channel = message_channel(stranger->kind);
+        assert_int_equal(bus_publish(&bench.bus, channel, stranger->data, stranger->size), STATUS_OK);
+        assert_int_equal(bus_publish(&bench.bus, channel, junk, sizeof junk), STATUS_OK);
+        assert_int_equal(send_range(&bench, k, k + 1), STATUS_OK);
+    }
+    assert_int_equal(send_range(&bench, bench.run.count - 1, bench.run.count), STATUS_OK);
+    await_error(&bench, "messages of other runs");
+    assert_int_equal(recorder_wait(&bench), 0);
+    check_file(&bench, true, synthetic_default.n_samples);
+    synthetic_free(&other);
+    bench_close(&bench);
+}
+
+/* Stopped before END: patience after the first signal, none after the second; readable, incomplete. */
+static void test_stop_without_end(void **state)
+{
+    struct bench bench;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    recorder_start(&bench, "20", RLIM_INFINITY);
+    assert_int_equal(send_range(&bench, 0, bench.run.count - 1), STATUS_OK);
+    assert_int_equal(kill(bench.recorder, SIGTERM), 0);
+    await_error(&bench, "stop requested");
+    assert_int_equal(kill(bench.recorder, SIGTERM), 0);
+    await_error(&bench, "END is missing");
+    assert_int_equal(recorder_wait(&bench), status_exit_code(STATUS_INCOMPLETE));
+    check_file(&bench, false, synthetic_default.n_samples);
+    bench_close(&bench);
+}
+
+/* Stopped, then END comes: sim ends on the same signal and says so. */
+static void test_stop_then_end(void **state)
+{
+    struct bench bench;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    recorder_start(&bench, "20", RLIM_INFINITY);
+    assert_int_equal(send_range(&bench, 0, bench.run.count - 1), STATUS_OK);
+    assert_int_equal(kill(bench.recorder, SIGINT), 0);
+    await_error(&bench, "stop requested");
+    assert_int_equal(send_range(&bench, bench.run.count - 1, bench.run.count), STATUS_OK);
+    assert_int_equal(recorder_wait(&bench), 0);
+    check_file(&bench, true, synthetic_default.n_samples);
+    bench_close(&bench);
+}
+
+static void test_silence(void **state)
+{
+    struct bench bench;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    recorder_start(&bench, "0.5", RLIM_INFINITY);
+    assert_int_equal(send_range(&bench, 0, bench.run.count - 1), STATUS_OK);
+    await_error(&bench, "no message of this run for 0.5 s");
+    assert_int_equal(recorder_wait(&bench), status_exit_code(STATUS_INCOMPLETE));
+    check_file(&bench, false, synthetic_default.n_samples);
+    bench_close(&bench);
+}
+
+/* Wall states that never came: END's totals do not match, so the run is not complete, and says which are missing. */
+static void test_lost_walls(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.walls = true;
+    options.n_wall_states = 10;
+    bench_open(&bench, &options);
+    recorder_start(&bench, "1", RLIM_INFINITY);
+    for (size_t k = 0; k + 1 < bench.run.count; k++) {
+        if (bench.run.messages[k].kind < RECORD_CHANNELS)
+            assert_int_equal(send_range(&bench, k, k + 1), STATUS_OK);
+    }
+    const struct synthetic_message *end = &bench.run.messages[bench.run.count - 1];
+    assert_int_equal(bus_publish(&bench.bus, "END", end->data, end->size), STATUS_OK);
+    await_error(&bench, "WALL_STATE 0 of 10");
+    assert_int_equal(recorder_wait(&bench), status_exit_code(STATUS_INCOMPLETE));
+    check_file(&bench, false, options.n_samples);
+    bench_close(&bench);
+}
+
+/* A disk that becomes full: the sender is told at once, the file is readable. */
+static void test_full_disk(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.n_particles = 5000;
+    options.n_frames = 100;
+    bench_open(&bench, &options);
+    recorder_start(&bench, "20", 1000 * 1000);
+    assert_int_equal(send_range(&bench, 0, bench.run.count), STATUS_IO);
+    assert_non_null(strstr(status_message(), "cannot write"));
+    await_error(&bench, "File too large");
+    assert_int_equal(recorder_wait(&bench), status_exit_code(STATUS_IO));
+    hid_t file = read_open(bench.directory);
+    assert_true(read_attribute(file, "/", "complete") == 0.0);
+    assert_true(H5Fclose(file) >= 0);
+    bench_close(&bench);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_complete_run),  cmocka_unit_test(test_walls_and_event_log),
+        cmocka_unit_test(test_strangers),     cmocka_unit_test(test_stop_without_end),
+        cmocka_unit_test(test_stop_then_end), cmocka_unit_test(test_silence),
+        cmocka_unit_test(test_lost_walls),    cmocka_unit_test(test_full_disk),
+    };
+    if (argc != 2) {
+        fprintf(stderr, "usage: %s RECORDER\n", argv[0]);
+        return 2;
+    }
+    recorder_path = argv[1];
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,257 @@
+/* The recorder and LCM event logs: conversion, cut and damaged logs, the log it writes itself; and how fast it is. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "recorder/convert.h"
+#include "test_recorder_read.h"
+#include "test_recorder_synthetic.h"
+
+/* Writes the run as sim writes it to a file:// URL. */
+static void write_log(const struct synthetic_run *run, const char *path)
+{
+    struct bus bus;
+    char url[128];
+    snprintf(url, sizeof url, "file://%s?mode=w", path);
+    assert_int_equal(bus_open(&bus, url), STATUS_OK);
+    for (size_t k = 0; k < run->count; k++) {
+        const struct synthetic_message *message = &run->messages[k];
+        assert_int_equal(bus_publish(&bus, message_channel(message->kind), message->data, message->size), STATUS_OK);
+    }
+    assert_int_equal(bus_flush(&bus), STATUS_OK);
+    bus_close(&bus);
+}
+
+static enum status convert(const char *log, const char *directory)
+{
+    struct recording *recording;
+    const struct recording_options options = {.directory = directory, .any_run = true, .from_log = true};
+    assert_int_equal(recording_create(&recording, &options), STATUS_OK);
+    enum status status = convert_log(recording, log);
+    assert_int_equal(status == STATUS_OK, recording_is_complete(recording));
+    recording_free(recording);
+    return status;
+}
+
+static long samples_in(const char *directory, bool complete)
+{
+    hid_t file = read_open(directory);
+    assert_true(read_attribute(file, "/", "complete") == (complete ? 1.0 : 0.0));
+    long rows = read_rows(file, "/observables/strain/value");
+    for (long k = 0; k < rows; k++) {
+        double *strain = k == 0 ? read_values(file, "/observables/strain/value") : NULL;
+        for (long s = 0; strain && s < rows; s++)
+            assert_true(strain[2 * s] == synthetic_strain((int)s, 0));
+        free(strain);
+    }
+    assert_true(H5Fclose(file) >= 0);
+    return rows;
+}
+
+struct bench {
+    char directory[64], log[80];
+    struct synthetic_run run;
+};
+
+static void bench_open(struct bench *bench, const struct synthetic_options *options)
+{
+    synthetic_directory(bench->directory);
+    snprintf(bench->log, sizeof bench->log, "%s/in.lcm", bench->directory);
+    synthetic_create(&bench->run, options);
+    write_log(&bench->run, bench->log);
+}
+
+static void bench_close(struct bench *bench)
+{
+    synthetic_free(&bench->run);
+    synthetic_directory_remove(bench->directory);
+}
+
+static void remove_run(const struct bench *bench)
+{
+    char path[96];
+    snprintf(path, sizeof path, "%s/run.h5", bench->directory);
+    (void)remove(path); /* absent if no RUN_INFO came */
+}
+
+static void test_conversion(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.event_log = true; /* must not be written again */
+    bench_open(&bench, &options);
+    assert_int_equal(convert(bench.log, bench.directory), STATUS_OK);
+    assert_int_equal(samples_in(bench.directory, true), options.n_samples);
+    char path[96];
+    snprintf(path, sizeof path, "%s/run.lcm", bench.directory);
+    assert_int_not_equal(access(path, F_OK), 0);
+    bench_close(&bench);
+}
+
+static long file_size(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 0, SEEK_END), 0);
+    long size = ftell(file);
+    assert_int_equal(fclose(file), 0);
+    return size;
+}
+
+/* Every cut gives a readable file (or none before RUN_INFO) that says incomplete, with the samples before the cut. */
+static void test_cut_log(void **state)
+{
+    struct bench bench;
+    long last_rows = synthetic_default.n_samples;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    long size = file_size(bench.log);
+    const long end_size = 28 + 3 + (long)bench.run.messages[bench.run.count - 1].size;
+    /* in END; just before END; in the last sample; then ever earlier */
+    for (long cut = size - 1; cut > 0; cut = cut > size - end_size ? size - end_size : cut - size / 23 - 1) {
+        assert_int_equal(truncate(bench.log, cut), 0);
+        assert_int_equal(convert(bench.log, bench.directory), STATUS_INCOMPLETE);
+        if (strstr(status_message(), "no RUN_INFO"))
+            continue;
+        long rows = samples_in(bench.directory, false);
+        assert_true(rows <= last_rows);
+        last_rows = rows;
+        remove_run(&bench);
+    }
+    assert_true(last_rows == 0);
+    bench_close(&bench);
+}
+
+static void overwrite(const char *path, long at, const void *bytes, size_t size)
+{
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, at, SEEK_SET), 0);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Random damage: never a crash, never complete with something missing. */
+static void test_damaged_log(void **state)
+{
+    struct bench bench;
+    uint64_t random = 4;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    long size = file_size(bench.log);
+    for (int round = 0; round < 40; round++) {
+        unsigned char junk[24];
+        for (size_t k = 0; k < sizeof junk; k++)
+            junk[k] = (unsigned char)synthetic_random(&random);
+        write_log(&bench.run, bench.log);
+        overwrite(bench.log, (long)(synthetic_random(&random) % (uint64_t)(size - 24)), junk, sizeof junk);
+        enum status status = convert(bench.log, bench.directory);
+        assert_true(status == STATUS_OK || status == STATUS_INCOMPLETE);
+        if (status == STATUS_OK) {
+            hid_t file = read_open(bench.directory);
+            assert_int_equal(read_rows(file, "/observables/strain/value"), synthetic_default.n_samples);
+            assert_true(H5Fclose(file) >= 0);
+        }
+        remove_run(&bench);
+    }
+    bench_close(&bench);
+}
+
+/* Lengths in an event's header at which a reader that believes them allocates gigabytes or writes outside. */
+static void test_hostile_event_lengths(void **state)
+{
+    static const unsigned char lengths[][4] = {
+        {0x7f, 0xff, 0xff, 0xff}, {0xff, 0xff, 0xff, 0xff}, {0x80, 0, 0, 0}, {0, 0, 0, 0}, {0, 0x0f, 0xff, 0xff}};
+    struct bench bench;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    long second = 28 + 8 + (long)bench.run.messages[0].size; /* the event after RUN_INFO */
+    for (size_t k = 0; k < 2 * sizeof lengths / sizeof *lengths; k++) {
+        write_log(&bench.run, bench.log);
+        overwrite(bench.log, second + (k % 2 ? 20 : 24), lengths[k / 2], 4);
+        assert_int_equal(convert(bench.log, bench.directory), STATUS_INCOMPLETE);
+        assert_int_equal(samples_in(bench.directory, false), synthetic_default.n_samples);
+        remove_run(&bench);
+    }
+    bench_close(&bench);
+}
+
+static void test_missing_and_empty_log(void **state)
+{
+    struct bench bench;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    assert_int_equal(convert("no/such/file", bench.directory), STATUS_IO);
+    assert_non_null(strstr(status_message(), "no/such/file"));
+    assert_int_equal(truncate(bench.log, 0), 0);
+    assert_int_equal(convert(bench.log, bench.directory), STATUS_INCOMPLETE);
+    bench_close(&bench);
+}
+
+/* run.lcm, written while recording, holds every accepted message once, and gives the same file again. */
+static void test_event_log(void **state)
+{
+    struct bench bench, again;
+    struct synthetic_options options = synthetic_default;
+    struct recording *recording;
+    enum recording_answer answer;
+    (void)state;
+    options.event_log = options.walls = true;
+    options.n_wall_states = 100;
+    bench_open(&bench, &options);
+    bench_open(&again, &synthetic_default);
+    const struct recording_options live = {.directory = bench.directory, .run_id = options.run_id};
+    assert_int_equal(recording_create(&recording, &live), STATUS_OK);
+    for (size_t k = 0; k < bench.run.count; k++) {
+        const struct synthetic_message *message = &bench.run.messages[k];
+        assert_int_equal(recording_take(recording, message->kind, message->data, message->size, &answer), STATUS_OK);
+        assert_int_equal(recording_take(recording, message->kind, message->data, message->size, &answer), STATUS_OK);
+    }
+    assert_int_equal(recording_finish(recording), STATUS_OK);
+    recording_free(recording);
+    char path[96];
+    snprintf(path, sizeof path, "%s/run.lcm", bench.directory);
+    assert_int_equal(file_size(path), file_size(bench.log)); /* each message once */
+    assert_int_equal(convert(path, again.directory), STATUS_OK);
+    assert_int_equal(samples_in(again.directory, true), options.n_samples);
+    bench_close(&again);
+    bench_close(&bench);
+}
+
+/* Prints the rate; no bound, as it depends on the machine. */
+static void test_throughput(void **state)
+{
+    enum { STATES = 50000 };
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.walls = true;
+    options.n_wall_states = STATES;
+    options.n_samples = 0;
+    bench_open(&bench, &options);
+    double start_s = clock_now_s();
+    assert_int_equal(convert(bench.log, bench.directory), STATUS_OK);
+    double elapsed_s = clock_now_s() - start_s;
+    printf("full-rate wall recording: %.0f rows/s (a state or a command each)\n", 2.0 * STATES / elapsed_s);
+    bench_close(&bench);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_conversion),
+        cmocka_unit_test(test_cut_log),
+        cmocka_unit_test(test_damaged_log),
+        cmocka_unit_test(test_hostile_event_lengths),
+        cmocka_unit_test(test_missing_and_empty_log),
+        cmocka_unit_test(test_event_log),
+        cmocka_unit_test(test_throughput),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
