@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Stands for every process of a run in the tests of the driver. What it does is said by FAKE_SIM, FAKE_WALLCTL,
-# FAKE_RECORDER: ok (default), fail (exit code 10 and a message), wait (until SIGINT), hang (SIGINT changes nothing).
+# FAKE_RECORDER: ok (default), fail (exit code 10 and a message), wait (until SIGINT), hang (no signal changes anything).
 # The pipe FAKE_PIPE stands for the bus: its one message is sim's END, for the recorder.
 trap 'exit 130' INT # at once: bash loses one that comes during a command
 name=${0##*/}
@@ -43,7 +43,7 @@ case $behaviour in
         exit 10
         ;;
     hang)
-        trap '' INT
+        trap '' INT TERM
         stay "$silence"
         exit 0
         ;;
