@@ -165,35 +165,47 @@ static bool local_line(const void *context, size_t skip_begin, size_t skip_end, 
     return good;
 }
 
-/* E50 = (q50 - q0)/(eps50 - eps0) with q50 = (q0 + q_peak)/2. First-order propagation of the errors of q_peak and of q
- * at the crossing; the latter moves eps50 by u/slope. */
-static void secant_modulus(const struct loading *loading, struct quantity *quantity)
+/* Value and slope of the deviator at x0 by a straight line over [a, b]. */
+static bool deviator_at(const struct loading *loading, double a, double b, double x0, struct estimate local[2])
+{
+    size_t first;
+    struct points points = loading_window(loading, a, b, &first);
+    struct local_context context = {&points, loading->y[LOADING_Q] + first, x0};
+    return points.n >= 3 && statistics_jackknife(&points, local_line, &context, 2, local);
+}
+
+/* E50 = (q50 - q0)/(eps50 - eps0) with q50 = (q0 + q_peak)/2. First-order propagation of three errors: of q0, of
+ * q_peak, and of q at the crossing, which moves eps50 by u/slope. */
+static struct estimate secant(struct estimate start, struct estimate top, const struct estimate local[2], double run)
+{
+    double modulus = (top.value - start.value) / 2 / run, by_place = modulus / (run * local[1].value);
+    double by_start = (1 / run + by_place) / 2, by_top = (1 / run - by_place) / 2;
+    double error = hypot(hypot(by_start * start.error, by_top * top.error), by_place * local[0].error);
+    return (struct estimate){modulus, error};
+}
+
+static void secant_modulus(const struct loading *loading, double modulus_strain, struct quantity *quantity)
 {
     struct loading_peak top;
-    if (!loading_peak_find(loading, LOADING_Q, &top)) {
-        quantity_undefined(quantity, "too few samples to look for a peak");
+    struct estimate start[2], local[2];
+    double origin = loading->eps[0];
+    if (!loading_peak_find(loading, LOADING_Q, &top) || !deviator_at(loading, origin, modulus_strain, origin, start)) {
+        quantity_undefined(quantity, "too few samples for the start or the peak of the deviator");
         return;
     }
-    double first_eps = loading->eps[0], half = fmax(top.eps.value / 20, 4 * top.eps.value / (double)loading->n);
-    double q0 = loading_smooth(loading, loading->y[LOADING_Q], first_eps, half);
-    double level = (q0 + top.value.value) / 2, eps50 = crossing(loading, level, top.eps.value, half);
-    if (!(eps50 > first_eps)) {
-        quantity_undefined(quantity, "the deviator has no rise to half of its peak");
+    double half = fmax(top.eps.value / 20, 4 * top.eps.value / (double)loading->n);
+    double level = (start[0].value + top.value.value) / 2, eps50 = crossing(loading, level, top.eps.value, half);
+    if (!deviator_at(loading, eps50 - half, eps50 + half, eps50, local) || !(local[1].value > 0)) {
+        quantity_undefined(quantity, "the deviator has no rise to half of its peak that could be followed");
         return;
     }
-    size_t first;
-    struct estimate local[2];
-    struct points points = loading_window(loading, eps50 - half, eps50 + half, &first);
-    struct local_context context = {&points, loading->y[LOADING_Q] + first, eps50};
-    if (!statistics_jackknife(&points, local_line, &context, 2, local)) {
-        quantity_undefined(quantity, "too few samples around half of the peak");
+    eps50 += (level - local[0].value) / local[1].value; /* the straight line's own crossing */
+    if (!(eps50 > origin)) {
+        quantity_undefined(quantity, "half of the peak deviator is there from the start");
         return;
     }
-    double rise = level - q0, run = eps50 - first_eps, slope = local[1].value, modulus = rise / run;
-    double by_place = modulus / (run * slope), by_level = 1 / run - by_place;
-    double window[2] = {first_eps, eps50};
-    struct estimate e50 = {modulus, hypot(by_level * top.value.error / 2, by_place * local[0].error)};
-    set_in_window(quantity, e50, window);
+    quantity_set(quantity, secant(start[0], top.value, local, eps50 - origin));
+    quantity_window(quantity, origin, eps50);
     if (top.at_end > 0)
         quantity_note(quantity, "the deviator still rises at the last sample");
 }
@@ -251,7 +263,7 @@ enum status biaxial_evaluate(const struct curves *curves, const struct scene *sc
         all_undefined(quantities, loading.n ? "the stage has no strain yet" : "the stage has no samples");
     } else {
         moduli(curves, &loading, &scene->analysis, quantities);
-        secant_modulus(&loading, &quantities[QUANTITY_E50]);
+        secant_modulus(&loading, scene->analysis.modulus_strain, &quantities[QUANTITY_E50]);
         dilatancy(&loading, &scene->analysis, quantities);
         peak(curves, &loading, quantities);
         residual(curves, &loading, &scene->analysis, quantities);

@@ -23,9 +23,9 @@ static const char preamble[] = "# Made by analyzer; run `gnuplot %s.gp` here to 
                                "set border 31 linewidth 1.2\n"
                                "set tics nomirror in scale 0.8\n"
                                "set mxtics 2\nset mytics 2\n"
-                               "set grid linewidth 0.6 linecolor '#dddddd'\n"
-                               "set key opaque samplen 2.2 spacing 1.15 font ',13'\n"
-                               "set lmargin 11\n";
+                               "set grid linewidth 0.6 linecolor '#cccccc'\n"
+    "set autoscale xfix\nset offsets 0, graph 0.02, graph 0.05, graph 0.05\n"
+    "set key outside above horizontal Left reverse samplen 2 spacing 1.15 width 1 font ',12'\n";
 
 static const char epilogue[] =
     "set terminal pngcairo size 1440,1000 enhanced font 'DejaVu Sans,15' fontscale 2 linewidth 2 "
@@ -59,7 +59,7 @@ static void stress_strain(const struct plot *plot)
     const struct quantity *q = plot->analysis->quantity;
     bool corrected = isfinite(plot->analysis->curves.lateral_pressure_pa);
     abscissa(plot);
-    fprintf(plot->out, "set ylabel 'stress [N/m²]'\nset key bottom right\n");
+    fprintf(plot->out, "set ylabel 'stress [N/m²]'\n");
     bool peak = defined(plot, QUANTITY_PEAK_SIGMA_CORR);
     if (peak)
         fprintf(plot->out, "$peak << END\nx,y,u\n%.10g,%.10g,%.10g\nEND\n", 100 * q[QUANTITY_PEAK_EPS_ZZ].value,
@@ -123,7 +123,7 @@ static void volumetric_strain(const struct plot *plot)
 {
     abscissa(plot);
     fprintf(plot->out,
-            "set ylabel 'volumetric strain {/Symbol e}_V [%%]'\nset key top left\n"
+            "set ylabel 'volumetric strain {/Symbol e}_V [%%]'\n"
             "plot 'curves.csv' using (%s):(100*column('eps_v')) with lines linewidth 2 linecolor '" BLUE
             "' title '{/Symbol e}_V (dilation positive)'",
             plot->x);
@@ -139,8 +139,8 @@ static void fabric(const struct plot *plot)
     abscissa(plot);
     fprintf(
         plot->out,
-        "set rmargin 11\nset ylabel 'contacts per particle'\nset y2label 'solid fraction'\nset y2tics\n"
-        "set ytics nomirror\nset key outside top center horizontal\n"
+        "set ylabel 'contacts per particle'\nset y2label 'solid fraction'\nset y2tics\n"
+        "\nset key outside top center horizontal\n"
         "plot 'curves.csv' using (%s):(column('coordination')) with lines linewidth 2 linecolor '" BLUE
         "' title 'coordination', \\\n"
         "     '' using (%s):(column('coordination_no_rattlers')) with lines linewidth 2 dashtype 2 linecolor '" GREEN
@@ -157,7 +157,7 @@ static void loops(const struct plot *plot)
     fprintf(
         plot->out,
         "set xlabel 'deviatoric strain {/Symbol e}_D [%%]'\nset ylabel 'deviatoric stress {/Symbol s}_D [N/m²]'\n"
-        "set key bottom right\n"
+        
         "plot 'curves.csv' using (100*column('eps_d')):(column('sigma_d_pa')) with lines linewidth 0.8 linecolor '" GREY
         "' title 'all %zu cycles'",
         n);
@@ -174,7 +174,7 @@ static void loops(const struct plot *plot)
 static void accumulation(const struct plot *plot)
 {
     fprintf(plot->out,
-            "set xlabel 'cycles'\nset ylabel 'accumulated strain [%%]'\nset key top left\n"
+            "set xlabel 'cycles'\nset ylabel 'accumulated strain [%%]'\n"
             "plot 'cycles.csv' using 1:(100*column('eps_d')) with linespoints pointtype 7 pointsize 0.5 linewidth "
             "1.5 linecolor '" BLUE "' title '{/Symbol e}_D', \\\n"
             "     '' using 1:(100*column('eps_v')) with linespoints pointtype 6 pointsize 0.5 linewidth 1.5 "
@@ -187,7 +187,7 @@ static void accumulation_log(const struct plot *plot)
     double a = q[QUANTITY_CYCLES_ACCUMULATION_FACTOR].value, b = q[QUANTITY_CYCLES_ACCUMULATION_EXPONENT].value;
     fprintf(plot->out,
             "set logscale xy\nset mxtics 10\nset mytics 10\nset format y '10^{%%T}'\n"
-            "set xlabel 'cycles N'\nset ylabel 'accumulated strain |{/Symbol e}_D|'\nset key top left\n"
+            "set xlabel 'cycles N'\nset ylabel 'accumulated strain |{/Symbol e}_D|'\n"
             "plot 'cycles.csv' using 1:(abs(column('eps_d'))) with points pointtype 7 pointsize 0.7 linecolor '" BLUE
             "' title '|{/Symbol e}_D|'");
     if (isfinite(a) && isfinite(b))

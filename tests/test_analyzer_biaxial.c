@@ -91,7 +91,7 @@ static void draw_many(const struct biaxial_model *model, uint64_t seed, struct t
             tally[k].covered += (fabs(off) <= 2 * u) / (double)DRAWS;
             tally[k].bias += off / DRAWS;
             tally[k].squares += off * off / DRAWS;
-            tally[k].claimed += u * u / DRAWS;
+            tally[k].claimed += u / DRAWS;
         }
     }
 }
@@ -108,7 +108,7 @@ static void errors_independent(void **state)
     struct tally tally[WATCHED] = {{0}};
     draw_many(&(struct biaxial_model){.n = 501, .stress_noise_pa = 2, .strain_noise = 2e-5}, 11, tally);
     for (int k = 0; k < WATCHED; k++) {
-        double ratio = sqrt(tally[k].claimed / tally[k].squares);
+        double ratio = tally[k].claimed / sqrt(tally[k].squares);
         print_message("  %-26s covered %.3f, claimed/true %.2f, bias %.2f sd\n", quantity_key(watched[k].id),
                       tally[k].covered, ratio, tally[k].bias / sqrt(tally[k].squares));
         assert_true(tally[k].covered >= 0.84);
@@ -127,7 +127,7 @@ static void errors_correlated(void **state)
     draw_many(&(struct biaxial_model){.n = 2501, .stress_noise_pa = 2, .strain_noise = 2e-5, .correlation = 0.6}, 12,
               tally);
     for (int k = 0; k < WATCHED; k++) {
-        double ratio = sqrt(tally[k].claimed / tally[k].squares);
+        double ratio = tally[k].claimed / sqrt(tally[k].squares);
         print_message("  %-26s covered %.3f, claimed/true %.2f\n", quantity_key(watched[k].id), tally[k].covered,
                       ratio);
         assert_true(ratio > 0.69 && ratio < 1.45);
