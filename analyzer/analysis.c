@@ -98,10 +98,16 @@ static void value_text(const struct quantity *quantity, char *text, size_t size)
     } else if (!(u > 0) || isinf(u)) {
         snprintf(text, size, "%12.5g %12s", quantity->value, "");
     } else {
-        int digits = (int)floor(log10(fmax(fabs(quantity->value), u))) - (int)floor(log10(u)) + 2;
+        /* two digits of the uncertainty; small numbers in powers of ten */
+        int decimals = 1 - (int)floor(log10(u)), digits = decimals + (int)floor(log10(fmax(fabs(quantity->value), u)));
+        bool power = fabs(quantity->value) < 1e-3;
         char error[32];
-        snprintf(error, sizeof error, "+- %.2g", u);
-        snprintf(text, size, "%12.*g %12s", digits > 8 ? 8 : digits, quantity->value, error);
+        if (power || decimals > 8)
+            snprintf(error, sizeof error, "+- %.1e", u);
+        else
+            snprintf(error, sizeof error, "+- %.*f", decimals < 0 ? 0 : decimals, u);
+        snprintf(text, size, power ? "%12.*e %12s" : "%12.*f %12s", (int)fmin(8, fmax(0, power ? digits : decimals)),
+                 quantity->value, error);
     }
 }
 
@@ -116,18 +122,26 @@ static void quantity_print(FILE *out, enum quantity_id id, const struct quantity
             quantity->text);
 }
 
+/* Of a cyclic test, what only a strain-controlled one has is left out of the table; and the other way round. */
+static bool is_shown(const struct analysis *analysis, enum quantity_id id)
+{
+    if (analysis->curves.kind != TEST_CYCLIC)
+        return !quantity_is_cyclic(id);
+    return quantity_is_cyclic(id) || isfinite(analysis->quantity[id].value);
+}
+
 void analysis_print(FILE *out, const struct analysis *analysis)
 {
     const struct run *run = &analysis->run;
     const struct curves *curves = &analysis->curves;
-    const char *verdict = cycles_verdict_name(analysis->cycles.verdict);
+    const char *verdict = cycles_verdict_name(analysis->cycles.verdict), axis = "xyz"[curves->axial];
     fprintf(out, "%s: run \"%s\", seed %lld, version %s, kernels %s, %s\n", analysis->directory, run->name,
             (long long)run->seed, run->version, run->kernel_set, run->complete ? "complete" : "INCOMPLETE");
     fprintf(out, "stage \"%s\" (%d of %d), axial direction %c, %zu samples\n", curves->protocol->name,
-            curves->stage + 1, (int)run->scene->n_stages, "xyz"[curves->axial], curves -> n);
+            curves->stage + 1, (int)run->scene->n_stages, axis, curves->n);
     fprintf(out, "  %-34s %12s %12s %-6s %-22s\n", "quantity", "value", "uncertainty", "unit", "window");
     for (int k = 0; k < QUANTITIES; k++)
-        if (curves->kind == TEST_CYCLIC || !quantity_is_cyclic((enum quantity_id)k))
+        if (is_shown(analysis, (enum quantity_id)k))
             quantity_print(out, (enum quantity_id)k, &analysis->quantity[k]);
     if (verdict)
         fprintf(out, "  %-34s %12s (confidence %.3f; %zu cycles; %s)\n", "cycles.classification", verdict,

@@ -14,16 +14,17 @@
 #define GREEN  "#009E73"
 #define GREY   "#999999"
 
-static const char preamble[] = "# Made by analyzer; run `gnuplot %s.gp` here to make the plot again.\n"
-                               "set encoding utf8\n"
-                               "set datafile separator ','\n"
-                               "set datafile columnheaders\n"
-                               "set terminal svg size 720,500 enhanced font 'DejaVu Sans,15' background 'white'\n"
-                               "set output '%s.svg'\n"
-                               "set border 31 linewidth 1.2\n"
-                               "set tics nomirror in scale 0.8\n"
-                               "set mxtics 2\nset mytics 2\n"
-                               "set grid linewidth 0.6 linecolor '#cccccc'\n"
+static const char preamble[] =
+    "# Made by analyzer; run `gnuplot %s.gp` here to make the plot again.\n"
+    "set encoding utf8\n"
+    "set datafile separator ','\n"
+    "set datafile columnheaders\n"
+    "set terminal svg size 720,500 enhanced font 'DejaVu Sans,15' background 'white'\n"
+    "set output '%s.svg'\n"
+    "set border 31 linewidth 1.2\n"
+    "set tics nomirror in scale 0.8\n"
+    "set mxtics 2\nset mytics 2\n"
+    "set grid linewidth 0.6 linecolor '#cccccc'\n"
     "set autoscale xfix\nset offsets 0, graph 0.02, graph 0.05, graph 0.05\n"
     "set key outside above horizontal Left reverse samplen 2 spacing 1.15 width 1 font ',12'\n";
 
@@ -115,7 +116,7 @@ static void slope_line(const struct plot *plot, enum quantity_id id, double stre
         plot->out,
         ", \\\n     [%.10g:%.10g] %.10g + (%.10g)*(x - %.10g) with lines linewidth 2 dashtype %d linecolor '%s' title "
         "'%s: slope %.3g'",
-        100 * a, 100 * b, 100 * y, quantity->value, 100 * x, stretch > 1 ? 3 : 2, stretch > 1 ? ORANGE : GREEN, title,
+        100 * a, 100 * b, 100 * y, quantity->value, 100 * x, stretch > 1 ? 3 : 2, stretch > 1 ? ORANGE : "black", title,
         quantity->value);
 }
 
@@ -140,7 +141,6 @@ static void fabric(const struct plot *plot)
     fprintf(
         plot->out,
         "set ylabel 'contacts per particle'\nset y2label 'solid fraction'\nset y2tics\n"
-        "\nset key outside top center horizontal\n"
         "plot 'curves.csv' using (%s):(column('coordination')) with lines linewidth 2 linecolor '" BLUE
         "' title 'coordination', \\\n"
         "     '' using (%s):(column('coordination_no_rattlers')) with lines linewidth 2 dashtype 2 linecolor '" GREEN
@@ -157,7 +157,7 @@ static void loops(const struct plot *plot)
     fprintf(
         plot->out,
         "set xlabel 'deviatoric strain {/Symbol e}_D [%%]'\nset ylabel 'deviatoric stress {/Symbol s}_D [N/m²]'\n"
-        
+
         "plot 'curves.csv' using (100*column('eps_d')):(column('sigma_d_pa')) with lines linewidth 0.8 linecolor '" GREY
         "' title 'all %zu cycles'",
         n);
@@ -186,10 +186,12 @@ static void accumulation_log(const struct plot *plot)
     const struct quantity *q = plot->analysis->quantity;
     double a = q[QUANTITY_CYCLES_ACCUMULATION_FACTOR].value, b = q[QUANTITY_CYCLES_ACCUMULATION_EXPONENT].value;
     fprintf(plot->out,
-            "set logscale xy\nset mxtics 10\nset mytics 10\nset format y '10^{%%T}'\n"
+            "set logscale xy\nset offsets 0, 0, 0, 0\nset autoscale y\nset xrange [0.9:%zu]\nset mxtics 10\nset mytics "
+            "10\nset format y '10^{%%T}'\n"
             "set xlabel 'cycles N'\nset ylabel 'accumulated strain |{/Symbol e}_D|'\n"
             "plot 'cycles.csv' using 1:(abs(column('eps_d'))) with points pointtype 7 pointsize 0.7 linecolor '" BLUE
-            "' title '|{/Symbol e}_D|'");
+            "' title '|{/Symbol e}_D|'",
+            2 * plot->analysis->cycles.n);
     if (isfinite(a) && isfinite(b))
         fprintf(plot->out,
                 ", \\\n     %.10g*x**(%.10g) with lines linewidth 2 dashtype 2 linecolor '" ORANGE
