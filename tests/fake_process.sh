@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Stands for every process of a run in the tests of the driver. What it does is said by FAKE_SIM, FAKE_WALLCTL,
 # FAKE_RECORDER: ok (default), fail (exit code 10 and a message), wait (until SIGINT), hang (no signal changes anything).
-# The pipe FAKE_PIPE stands for the bus: its one message is sim's END, for the recorder.
+# The pipe FAKE_PIPE stands for the bus: its one message is sim's END, for the recorder. FAKE_PIPE.walls: wallctl's answer.
 trap 'exit 130' INT # at once: bash loses one that comes during a command
 name=${0##*/}
 arguments=("$@")
@@ -51,11 +51,13 @@ esac
 case $name in
     sim)
         trap 'say_end; exit 130' INT
+        stay "$FAKE_PIPE.walls" # until wallctl answers
         [ "$behaviour" = ok ] || stay "$silence"
         say_end
         ;;
     wallctl)
         trap 'exit 130' TERM
+        echo here >"$FAKE_PIPE.walls"
         stay "$silence"
         ;;
     recorder)
