@@ -19,3 +19,8 @@ add_executable(test_wallctl ${CMAKE_CURRENT_LIST_DIR}/test_wallctl.c)
 target_link_libraries(test_wallctl PRIVATE wall_fixture shakedown_wallctl)
 add_test(NAME wallctl COMMAND ${IN_NAMESPACE} $<TARGET_FILE:test_wallctl> $<TARGET_FILE:wallctl>)
 set_tests_properties(wallctl PROPERTIES LABELS "pipeline;replay;fault" TIMEOUT 120)
+
+if(SHAKEDOWN_SANITIZE MATCHES thread)
+  set_tests_properties(bus wallctl PROPERTIES ENVIRONMENT
+                       TSAN_OPTIONS=suppressions=${CMAKE_CURRENT_LIST_DIR}/tsan.supp)
+endif()
