@@ -432,7 +432,7 @@ static enum status files_close(struct recording *recording, bool complete)
         recording->counts = run_writer_counts(recording->writer);
     /* The log and the picture file first: `complete` says that all of it is there. */
     keep(&status, event_writer_close(recording->log));
-    if (recording->has_run)
+    if (recording->has_run && !run_writer_has_failed(recording->writer))
         keep(&status, xdmf_write(&recording->xdmf, &recording->facts, recording->xdmf_path));
     keep(&status, run_writer_close(recording->writer, complete && status == STATUS_OK));
     recording->writer = NULL;

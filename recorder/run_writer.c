@@ -414,6 +414,11 @@ enum status run_writer_end(struct run_writer *writer, const shakedown_end_t *end
     return writer->failed ? STATUS_OK : note(writer, end_write(writer->file, end));
 }
 
+bool run_writer_has_failed(const struct run_writer *writer)
+{
+    return writer->failed;
+}
+
 struct run_counts run_writer_counts(const struct run_writer *writer)
 {
     return (struct run_counts){.samples = table_rows(writer->samples),

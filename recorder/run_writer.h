@@ -36,6 +36,9 @@ enum status run_writer_flush(struct run_writer *writer) MUST_USE;
 /* Writes what END says as attributes. */
 enum status run_writer_end(struct run_writer *writer, const shakedown_end_t *end) MUST_USE;
 
+/* Whether a write has failed: the file is as the last flush left it. */
+bool run_writer_has_failed(const struct run_writer *writer);
+
 struct run_counts run_writer_counts(const struct run_writer *writer);
 
 /* Writes what waits, flushes, then, if `complete`, sets the attribute `complete`; closes the file. After a failure the

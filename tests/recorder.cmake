@@ -21,3 +21,8 @@ set_tests_properties(recorder_fault PROPERTIES LABELS fault TIMEOUT 120)
 add_test(NAME recorder_live COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/in_namespace.sh $<TARGET_FILE:test_recorder_live>
                                     $<TARGET_FILE:recorder>)
 set_tests_properties(recorder_live PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 125)
+
+foreach(name recorder_fault recorder_live)
+  set_property(TEST ${name} PROPERTY ENVIRONMENT
+               "LSAN_OPTIONS=print_suppressions=0:suppressions=${CMAKE_CURRENT_SOURCE_DIR}/recorder_leaks.supp")
+endforeach()
