@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GRID = 400, SMOOTH_MIN = 9, MOVES = 4 };
+enum { GRID = 400, SMOOTH_MIN = 9 };
 
 static const double smooth_fraction = 1.0 / 40; /* half window over the strain range */
-static const double peak_fraction = 1.0 / 4;    /* half window over the strain at the peak */
+static const double peak_fraction = 1.0 / 4;    /* widest half window over the strain at the peak */
 
 static enum status allocate(struct loading *loading, size_t n)
 {
@@ -128,29 +128,72 @@ static struct vertex_context vertex_window(const struct loading *loading, enum l
     return v;
 }
 
+/* Standard error of the middle of a local parabola, sqrt(9/(4 n)) times the scatter about it. */
+static double vertex_scatter(const struct vertex_context *v)
+{
+    double c[FIT_DEGREE_MAX + 1], x0 = (v->lower + v->upper) / 2, sum = 0, used = 0;
+    if (!statistics_polynomial(&v->points, v->y[v->which], 0, 0, 2, x0, c))
+        return 0;
+    for (size_t k = 0; k < v->points.n; k++) {
+        double x = v->points.x[k] - x0, off = v->y[v->which][k] - (c[0] + x * (c[1] + x * c[2]));
+        if (!isfinite(off))
+            continue;
+        sum += off * off;
+        used++;
+    }
+    return used > 3 ? sqrt(sum / (used - 3)) * sqrt(9 / (4 * used)) : 0;
+}
+
+/* What the coarse step found, and what a wider parabola must agree with. */
+struct summit {
+    double place, value;
+    double tolerance;   /* of the value */
+    double first, last; /* ends of the data */
+};
+
+/* Does the parabola over centre +- half describe the summit? Its vertex lies inside the window (or at an end of the
+ * data), not far from the summit, and as high. *v and value[OUT_COUNT] are set only if so. */
+static bool parabola_agrees(const struct loading *loading, const struct summit *summit, double centre, double half,
+                            struct vertex_context *v, double *value)
+{
+    double out[OUT_COUNT];
+    struct vertex_context trial = vertex_window(loading, v->which, centre - half, centre + half);
+    if (trial.points.n < SMOOTH_MIN || !vertex_estimate(&trial, 0, 0, out))
+        return false;
+    bool low = out[OUT_EPS] <= trial.lower && trial.lower > summit->first;
+    bool high = out[OUT_EPS] >= trial.upper && trial.upper < summit->last;
+    if (low || high || fabs(out[OUT_EPS] - summit->place) > half / 2 ||
+        fabs(out[v->which] - summit->value) > summit->tolerance)
+        return false;
+    *v = trial;
+    memcpy(value, out, sizeof out);
+    return true;
+}
+
 bool loading_peak_find(const struct loading *loading, enum loading_curve which, struct loading_peak *peak)
 {
     struct estimate out[STATISTICS_OUT_MAX];
+    double value[OUT_COUNT];
     if (loading->n < SMOOTH_MIN)
         return false;
     double first = loading->eps[0], last = loading->eps[loading->n - 1];
-    double coarse = fmax((last - first) * smooth_fraction, (last - first) * SMOOTH_MIN / 2 / (double)loading->n);
-    double place = peak_coarse(loading, loading->y[which], coarse), half = fmax(coarse, peak_fraction * place);
-    struct vertex_context v = {0};
-    for (int move = 0; move <= MOVES; move++) {
-        v = vertex_window(loading, which, place - half, place + half);
-        double value[OUT_COUNT];
-        if (v.points.n < SMOOTH_MIN || !vertex_estimate(&v, 0, 0, value))
-            return false;
-        place = value[OUT_EPS];
-    }
+    double narrow = fmax((last - first) * smooth_fraction, (last - first) * SMOOTH_MIN / 2 / (double)loading->n);
+    double place = peak_coarse(loading, loading->y[which], narrow);
+    struct vertex_context v = vertex_window(loading, which, place - narrow, place + narrow);
+    if (!vertex_estimate(&v, 0, 0, value))
+        return false;
+    /* the largest of some 40 independent windows lies about 2 standard errors above the truth: allow 4 */
+    struct summit summit = {value[OUT_EPS], value[which], 4 * vertex_scatter(&v) + 1e-9 * fabs(value[which]), first,
+                            last};
+    double half = peak_fraction * place;
+    while (half > narrow && !parabola_agrees(loading, &summit, place, half, &v, value))
+        half *= 0.7;
+    if (half > narrow) /* recentre; if that does not agree, the window stands as it was found */
+        (void)parabola_agrees(loading, &summit, value[OUT_EPS], half, &v, value);
     if (!statistics_jackknife(&v.points, vertex_estimate, &v, OUT_COUNT, out))
         return false;
-    peak->window[0] = v.lower;
-    peak->window[1] = v.upper;
-    peak->eps = out[OUT_EPS];
-    peak->value = out[which];
+    *peak = (struct loading_peak){.window = {v.lower, v.upper}, .eps = out[OUT_EPS], .value = out[which]};
     memcpy(peak->along, out, sizeof peak->along);
-    peak->at_end = place >= last ? 1 : place <= first ? -1 : 0;
+    peak->at_end = peak->eps.value >= last ? 1 : peak->eps.value <= first ? -1 : 0;
     return true;
 }

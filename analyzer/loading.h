@@ -50,9 +50,12 @@ struct loading_peak {
 };
 
 /* The maximum of curve `which`, in two steps. Coarse: the largest value of loading_smooth, half window 1/40 of the
- * strain range, on a grid of 401 strains. Fine: the vertex of a least-squares parabola over [eps_p - h, eps_p + h], h =
- * max(range/40, eps_p/4), moved to its own vertex up to four times; cut at the ends of the data. Errors by
- * statistics_jackknife of the whole second step. False if there are fewer than 9 samples to stand on. */
+ * strain range, on a grid of 401 strains, and the vertex of the parabola there. Fine: the vertex of a least-squares
+ * parabola over a wider window, for noise not to be picked up as height: half window a quarter of the strain at the
+ * peak, narrowed by 0.7 until the vertex lies in the middle half of the window and within 4 standard errors of the
+ * coarse one (curves with load drops end at the coarse window). Cut at the ends of the data. Errors by
+ * statistics_jackknife of the last fit; what the choice of the window adds is not in them. False if there are fewer
+ * than 9 samples. */
 bool loading_peak_find(const struct loading *loading, enum loading_curve which, struct loading_peak *peak);
 
 #endif
