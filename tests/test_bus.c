@@ -460,7 +460,7 @@ static void stream_gives_up(void **unused)
     struct bus bus;
     (void)unused;
     must(bus_open(&bus, NULL));
-    must(record_stream_create(&stream, &bus, RUN, 0.5));
+    must(record_stream_create(&stream, &bus, RUN, 1));
     double start_s = clock_now_s();
     for (int k = 0; k < 10; k++)
         must(record_publish(stream, RECORD_FRAME_CONTACTS, 50000));
@@ -468,8 +468,9 @@ static void stream_gives_up(void **unused)
     assert_int_equal(record_stream_waiting(stream), 10);
     assert_int_equal(record_stream_flush(stream), STATUS_TIMEOUT);
     assert_non_null(strstr(status_message(), "recorder of run 4711"));
-    assert_true(clock_now_s() - start_s < 10); /* of 0.5 s */
-    assert_true(record_stream_repeated(stream) >= 3 && record_stream_repeated(stream) % 2 == 0);
+    assert_true(clock_now_s() - start_s < 15); /* of 1 s */
+    /* Nine rounds of the two that fit the window; one will do on a machine that is busy. */
+    assert_true(record_stream_repeated(stream) >= 2 && record_stream_repeated(stream) % 2 == 0);
     record_stream_free(stream);
     bus_close(&recorder.bus);
     bus_close(&bus);
@@ -487,6 +488,9 @@ static void stream_keeps_its_window(void **unused)
     must(record_stream_create(&stream, &bus, RUN, 30));
     for (int k = 0; k < 10; k++)
         must(record_publish(stream, RECORD_FRAME_CONTACTS, 50000));
+    bool handled = true;
+    while (count < 2 && handled)
+        must(bus_handle(&listener, 10000, &handled));
     drain(&listener, 200);
     /* 2 x 50 kB fit into 128 kB, 3 do not; if this took over 100 ms the same two may have been repeated. */
     assert_int_equal(count, 2 + record_stream_repeated(stream));
