@@ -21,15 +21,17 @@ static void on_command(const lcm_recv_buf_t *buffer, const char *channel, void *
 }
 
 enum status exchange_init(struct exchange *exchange, const struct scene *scene, struct bus *bus,
-                          struct record_stream *stream, int64_t run_id, bool in_process)
+                          struct record_stream *stream, int64_t run_id, bool in_process,
+                          struct replay *replay)
 {
     *exchange = (struct exchange){.scene = scene,
                                   .bus = bus,
                                   .stream = stream,
                                   .run_id = run_id,
                                   .in_process = in_process,
-                                  .log_walls = bus->lcm && scene->record.walls == RECORD_WALLS_FULL};
-    return in_process ? STATUS_OK : bus_subscribe(bus, CHANNEL_WALL_COMMAND, on_command, exchange);
+                                  .replay = replay,
+                                  .log_walls = stream && scene->record.walls == RECORD_WALLS_FULL};
+    return in_process || replay ? STATUS_OK : bus_subscribe(bus, CHANNEL_WALL_COMMAND, on_command, exchange);
 }
 
 static enum status publish(struct exchange *exchange, const char *channel, const void *data, size_t size)
@@ -90,6 +92,8 @@ static enum status wait_for_answer(struct exchange *exchange, const struct wall_
 
 enum status exchange_walls(struct exchange *exchange, const struct wall_state *state, struct wall_command *command)
 {
+    if (exchange->replay)
+        return replay_exchange(exchange->replay, state, command);
     if (exchange->in_process)
         return call_law(exchange, state, command);
     exchange->answered = false;

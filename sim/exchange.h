@@ -5,6 +5,7 @@
 #include "common/bus.h"
 #include "common/coupling.h"
 #include "common/record_stream.h"
+#include "sim/replay.h"
 
 struct exchange {
     const struct scene *scene;
@@ -12,6 +13,7 @@ struct exchange {
     struct record_stream *stream; /* served while waiting */
     int64_t run_id;
     bool in_process;  /* the law is called here */
+    struct replay *replay; /* answers come from a log; NULL: not */
     bool log_walls;   /* in_process: publish states and commands all the same, for the record */
     int64_t seq;      /* of the next state */
     int64_t repeated; /* states sent again */
@@ -20,9 +22,10 @@ struct exchange {
     int64_t asked_step;
 };
 
-/* Fills `exchange`; over LCM subscribes WALL_COMMAND. */
+/* Fills `exchange`; over LCM (neither in_process nor `replay`) subscribes WALL_COMMAND. */
 enum status exchange_init(struct exchange *exchange, const struct scene *scene, struct bus *bus,
-                          struct record_stream *stream, int64_t run_id, bool in_process) MUST_USE;
+                          struct record_stream *stream, int64_t run_id, bool in_process,
+                          struct replay *replay) MUST_USE;
 
 /* Asks for the command that answers `state`. STATUS_TIMEOUT after coupling.timeout_s without one,
  * STATUS_INTERRUPTED when a stop was requested meanwhile. */

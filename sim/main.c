@@ -1,4 +1,5 @@
 /* sim: the discrete element model as a process. */
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -15,11 +16,28 @@ static const char usage[] =
     "  --check       only read and check the scene\n"
     "  --explain     print what the scene models and what it costs\n"
     "  --effective   print every key with the value in force\n"
+    "sim --replay LOG SCENE [--run-id N] [--set key=value]... [--seed N]\n"
+    "  carries out the wall commands in an event log again and compares the wall states with those in the log, bit for "
+    "bit\n"
     "sim --reference prints the scene reference\n";
 
 struct options {
     bool in_process, progress, check, explain, effective, reference;
+    const char *replay;
 };
+
+static enum status replay_log(const struct scene *scene, const struct command_line *line, const char *path)
+{
+    struct replay replay;
+    TRY(replay_open(&replay, path, line->run_id_given, line->run_id));
+    struct run_options run = {.run_id = line->run_id, .replay = &replay};
+    enum status status = run_scene(scene, &run);
+    replay_close(&replay);
+    printf("%" PRId64 " wall states equal, %" PRId64 " commands carried out, %" PRId64 " messages of other runs, %" PRId64
+           " malformed\n",
+           replay.counts.states, replay.counts.commands, replay.counts.foreign, replay.counts.malformed);
+    return status;
+}
 
 static enum status act(const struct scene *scene, const struct command_line *line, const struct options *options)
 {
@@ -32,7 +50,12 @@ static enum status act(const struct scene *scene, const struct command_line *lin
         return STATUS_OK;
     }
     TRY(signals_install());
-    struct run_options run = {line->run_id, options->in_process, options->progress, line->lcm_url};
+    if (options->replay)
+        return replay_log(scene, line, options->replay);
+    struct run_options run = {.run_id = line->run_id,
+                              .in_process = options->in_process,
+                              .progress = options->progress,
+                              .url = line->lcm_url};
     return run_scene(scene, &run);
 }
 
@@ -60,6 +83,7 @@ int main(int argc, char **argv)
                                               {"explain", NULL, &options.explain},
                                               {"effective", NULL, &options.effective},
                                               {"reference", NULL, &options.reference},
+                                              {"replay", &options.replay, NULL},
                                               {NULL, NULL, NULL}};
     struct command_line line;
     enum status status = command_line_parse(&line, argc, argv, own);

@@ -62,14 +62,22 @@ void particles_free(struct particles *p)
     memset(p, 0, sizeof *p);
 }
 
+void particles_set_inverse(struct particles *p)
+{
+    for (int i = 0; i < p->count; i++) {
+        double a = p->radius[i];
+        p->inv_mass[i] = 1 / p->mass[i];
+        if (p->n_rotations)
+            p->inv_inertia[i] = 1 / (0.4 * p->mass[i] * a * a);
+    }
+}
+
 void particles_set_mass(struct particles *p, double density_kg_per_m3)
 {
     const double pi = 3.14159265358979323846;
     for (int i = 0; i < p->count; i++) {
         double a = p->radius[i];
         p->mass[i] = 4.0 / 3.0 * pi * density_kg_per_m3 * a * a * a;
-        p->inv_mass[i] = 1 / p->mass[i];
-        if (p->n_rotations)
-            p->inv_inertia[i] = 1 / (0.4 * p->mass[i] * a * a);
     }
+    particles_set_inverse(p);
 }

@@ -33,6 +33,9 @@ void particles_free(struct particles *particles);
 /* Mass of a sphere [LH, D], also in 2D, and the moment of inertia (2/5) m a^2, from radius and density. */
 void particles_set_mass(struct particles *particles, double density_kg_per_m3);
 
+/* Inverse masses and moments of inertia from masses and radii. */
+void particles_set_inverse(struct particles *particles);
+
 /* Radii, positions without overlap and starting velocities as the scene says; box_lo/box_hi [dimension] become the
  * starting box. Errors: STATUS_LIMIT when a random start finds no room. */
 enum status particles_place(struct particles *particles, const struct scene *scene, double *box_lo_m,

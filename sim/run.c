@@ -237,7 +237,7 @@ static enum status loop(struct run *run)
 
 static enum status open_records(struct run *run)
 {
-    if (!run->options->url && run->options->in_process)
+    if ((!run->options->url && run->options->in_process) || run->options->replay)
         return STATUS_OK;
     TRY(bus_open(&run->bus, run->options->url));
     TRY(record_stream_create(&run->stream, &run->bus, run->options->run_id, run->scene->coupling.timeout_s));
@@ -269,9 +269,11 @@ static enum status start_and_loop(struct run *run)
         TRY(record_stream_flush(run->stream)); /* the recorder is there before anything happens */
     }
     TRY(exchange_init(&run->exchange, run->scene, &run->bus, run->stream, run->options->run_id,
-                      run->options->in_process));
+                      run->options->in_process, run->options->replay));
     run->start_s = run->status_s = clock_now_s();
-    return loop(run);
+    TRY(loop(run));
+    struct replay *replay = run->options->replay;
+    return replay ? replay_finish(replay, run->world->step, world_hash(run->world)) : STATUS_OK;
 }
 
 enum status run_scene(const struct scene *scene, const struct run_options *options)
@@ -282,7 +284,7 @@ enum status run_scene(const struct scene *scene, const struct run_options *optio
     if (status == STATUS_OK)
         status = finish(&run, start_and_loop(&run));
     record_stream_free(run.stream);
-    if (run.bus.lcm)
+    if (run.bus.lcm || run.bus.log)
         bus_close(&run.bus);
     if (options->progress)
         fprintf(stderr, "sim: %" PRId64 " steps, %.3f s, %.2f us per step, %" PRId64 " list builds, %d candidates, hash %016" PRIx64 "\n", run.world->step,

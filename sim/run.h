@@ -4,12 +4,14 @@
 
 #include "common/bus.h"
 #include "common/scene.h"
+#include "sim/replay.h"
 
 struct run_options {
     int64_t run_id;
     bool in_process;    /* call the control law here instead of asking wallctl */
     bool progress;      /* print STATUS on stderr too */
     const char *url;    /* of the bus; NULL in process: no records at all */
+    struct replay *replay; /* commands come from this log and states are compared with it; no records; NULL: no */
 };
 
 /* Runs the scene. On an error, or when a stop is requested, END says so and the records so far stay valid. The status

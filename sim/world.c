@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/checkpoint.h"
 #include "sim/integrate.h"
 #include "sim/measure.h"
 
@@ -25,21 +26,25 @@ static double mean_radius(const struct particles *p)
     return sum / p->count;
 }
 
-static void place_walls(struct world *world, const double *lo, const double *hi)
+static void name_walls(struct world *world)
 {
     for (int w = 0; w < world->n_walls; w++) {
-        bool upper = w % 2;
-        world->walls[w] = (struct wall){.axis = w / 2, .inward = upper ? -1 : 1, .x = upper ? hi[w / 2] : lo[w / 2]};
+        world->walls[w] = (struct wall){.axis = w / 2, .inward = w % 2 ? -1 : 1};
         world->walls[w].contacts.hysteretic = world->pairs.hysteretic;
         world->walls[w].contacts.n_springs = world->pairs.n_springs;
-        world->path.x0[w] = world->walls[w].x;
     }
 }
 
-static enum status world_init(struct world *world, const struct scene *scene)
+static void place_walls(struct world *world, const double *lo, const double *hi)
+{
+    for (int w = 0; w < world->n_walls; w++)
+        world->walls[w].x = w % 2 ? hi[w / 2] : lo[w / 2];
+}
+
+/* Everything that does not need a state. */
+static enum status model(struct world *world, const struct scene *scene)
 {
     bool frictional = scene_is_frictional(scene), hysteretic = scene_is_hysteretic(scene);
-    double lo[3], hi[3];
     int dimension = (int)scene->dimension;
     world->scene = scene;
     world->stage = -1;
@@ -49,26 +54,56 @@ static enum status world_init(struct world *world, const struct scene *scene)
     TRY(contact_isa_select(&world->isa));
     world->kernels = contact_kernels_select(world->isa, dimension, hysteretic, frictional);
     TRY(particles_init(&world->particles, (int)scene->sample.count, dimension, frictional));
-    TRY(particles_place(&world->particles, scene, lo, hi));
     world->pairs.hysteretic = hysteretic;
     world->pairs.n_springs = world->particles.n_rotations;
-    place_walls(world, lo, hi);
-    double skin = scene->neighbor.skin_ratio * mean_radius(&world->particles);
-    TRY(neighbor_init(&world->neighbor, &world->particles, skin, hysteretic));
-    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls);
+    name_walls(world);
+    return STATUS_OK;
 }
 
-enum status world_create(struct world **world, const struct scene *scene)
+static enum status create_and(struct world **world, const struct scene *scene, enum status (*fill)(struct world *world))
 {
     *world = calloc(1, sizeof **world);
     if (!*world)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    enum status status = world_init(*world, scene);
+    enum status status = model(*world, scene);
+    if (status == STATUS_OK && fill)
+        status = fill(*world);
     if (status != STATUS_OK) {
         world_free(*world);
         *world = NULL;
     }
     return status;
+}
+
+enum status world_init_lists(struct world *world)
+{
+    double skin = world->scene->neighbor.skin_ratio * mean_radius(&world->particles);
+    return neighbor_init(&world->neighbor, &world->particles, skin, world->pairs.hysteretic);
+}
+
+static enum status fill_sample(struct world *world)
+{
+    double lo[3], hi[3];
+    if (world->scene->sample.initial == INITIAL_CHECKPOINT) {
+        TRY(checkpoint_start(world->scene->sample.checkpoint, world));
+    } else {
+        TRY(particles_place(&world->particles, world->scene, lo, hi));
+        place_walls(world, lo, hi);
+    }
+    for (int w = 0; w < world->n_walls; w++)
+        world->path.x0[w] = world->walls[w].x;
+    TRY(world_init_lists(world));
+    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls);
+}
+
+enum status world_create_empty(struct world **world, const struct scene *scene)
+{
+    return create_and(world, scene, NULL);
+}
+
+enum status world_create(struct world **world, const struct scene *scene)
+{
+    return create_and(world, scene, fill_sample);
 }
 
 void world_free(struct world *world)
@@ -92,6 +127,13 @@ static void ledger_start(struct world *world)
     world->ledger.potential_start = measure_potential_energy_j(world);
 }
 
+void world_set_law(struct world *world)
+{
+    world->material = world->stage < 0 ? NULL : &world->scene->stage[world->stage].material;
+    if (world->material)
+        world->law = contact_law_constants_of(world->material);
+}
+
 static void stage_start(struct world *world, int stage)
 {
     const struct scene_stage *next = &world->scene->stage[stage];
@@ -99,8 +141,7 @@ static void stage_start(struct world *world, int stage)
     world->stage_step = 0;
     world->stage_time_start_s = world->time_s;
     world->dt = next->dt_s;
-    world->material = &next->material;
-    world->law = contact_law_constants_of(&next->material);
+    world_set_law(world);
     for (int w = 0; w < world->n_walls; w++)
         world->stage_position_m[w] = world->walls[w].x;
     integrate_forces_anew(world);

@@ -48,10 +48,19 @@ struct world {
     double dt;
 };
 
+/* Makes a world with the model of the scene and room for its particles, without any state yet; for checkpoints. */
+enum status world_create_empty(struct world **world, const struct scene *scene) MUST_USE;
+
 /* Makes the sample of the scene at step 0. `scene` must outlive the world. Errors: STATUS_NO_MEMORY, STATUS_LIMIT (no
- * room), STATUS_USAGE (SHAKEDOWN_ISA). */
+ * room), STATUS_USAGE (SHAKEDOWN_ISA), those of checkpoint_start. */
 enum status world_create(struct world **world, const struct scene *scene) MUST_USE;
 void world_free(struct world *world);
+
+/* Prepares the lists of contacts for the particles' radii. */
+enum status world_init_lists(struct world *world) MUST_USE;
+
+/* Sets what follows from the stage and the scene: material and law. */
+void world_set_law(struct world *world);
 
 /* Takes a command: switches to its stage if that is new (the ledger starts anew, forces follow the new material) and
  * sets the walls on their path. STATUS_FORMAT if the command does not fit the current step. */
