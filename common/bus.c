@@ -66,6 +66,9 @@ static enum status log_create(struct bus *bus, const char *url)
     if (!bus->log)
         return status_fail(STATUS_IO, "cannot write the event log \"%s\": %s", path, strerror(errno));
     clock_gettime(CLOCK_REALTIME, &now); /* cannot fail with this clock */
+    bus->lcm = lcm_create("memq://");    /* takes subscriptions; nothing ever comes */
+    if (!bus->lcm)
+        return status_fail(STATUS_BUS, "cannot set up LCM without a network");
     bus->clock_start_us = (int64_t)now.tv_sec * 1000000 + now.tv_nsec / 1000;
     bus->opened_at_s = clock_now_s();
     return STATUS_OK;
@@ -103,8 +106,12 @@ enum status bus_open(struct bus *bus, const char *url)
     memset(bus, 0, sizeof *bus);
     TRY(url_complete(url_resolve(url), full));
     bus->is_log = starts_with(full, LOG_SCHEME);
-    if (bus->is_log && strstr(strchr(full, '?'), "mode=w")) /* url_complete saw to the question mark */
-        return log_create(bus, full);
+    if (bus->is_log && strstr(strchr(full, '?'), "mode=w")) { /* url_complete saw to the question mark */
+        enum status status = log_create(bus, full);
+        if (status != STATUS_OK)
+            bus_close(bus);
+        return status;
+    }
     bus->lcm = lcm_create_quiet(full, &receives);
     if (receives)
         return STATUS_OK;
@@ -150,8 +157,6 @@ enum status bus_subscribe_for_a_while(struct bus *bus, const char *channel, lcm_
     char pattern[2 * CHANNEL_NAME_MAX + 1];
     *subscription = NULL;
     TRY(channel_escape(channel, pattern));
-    if (!bus->lcm)
-        return STATUS_OK;
     *subscription = lcm_subscribe(bus->lcm, pattern, handler, user);
     if (!*subscription)
         return status_fail(STATUS_BUS, "cannot subscribe to %s; if the LCM self test failed, try " NO_MULTICAST_FIX,
@@ -170,7 +175,7 @@ enum status bus_subscribe(struct bus *bus, const char *channel, lcm_msg_handler_
 
 void bus_unsubscribe(struct bus *bus, lcm_subscription_t *subscription)
 {
-    if (bus->lcm && subscription && lcm_unsubscribe(bus->lcm, subscription) != 0)
+    if (subscription && lcm_unsubscribe(bus->lcm, subscription) != 0)
         fprintf(stderr, "shakedown: warning: LCM does not know a subscription that is to end\n");
 }
 
@@ -203,7 +208,7 @@ enum status bus_publish(struct bus *bus, const char *channel, const void *data, 
 enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
 {
     *handled = false;
-    if (!bus->lcm)
+    if (bus->log) /* nobody to wait for */
         return STATUS_OK;
     struct pollfd waiting = {.fd = lcm_get_fileno(bus->lcm), .events = POLLIN};
     int ready = poll(&waiting, 1, timeout_ms);

@@ -37,7 +37,7 @@ extern const char *const record_channel_name[RECORD_CHANNELS];
 enum { BUS_MESSAGE_MAX = 60000 };
 
 struct bus {
-    lcm_t *lcm;             /* NULL when a log is written: use the functions below */
+    lcm_t *lcm;             /* NULL: not open. Publish through bus_publish: a log that is written does not hear of it */
     bool is_log;            /* file:// URL: nobody answers */
     lcm_eventlog_t *log;    /* a log that is written; LCM's own log writer does not notice a full disk */
     int64_t clock_start_us; /* stamps of that log: wall-clock time at its start, and the monotonic time since */
@@ -59,8 +59,7 @@ enum status bus_flush(struct bus *bus) MUST_USE;
  */
 enum status bus_subscribe(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user) MUST_USE;
 
-/* The same, for a subscriber that ends before the bus: *subscription goes to bus_unsubscribe (NULL on a log that is
- * written, which delivers nothing). */
+/* The same, for a subscriber that ends before the bus: *subscription goes to bus_unsubscribe. */
 enum status bus_subscribe_for_a_while(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user,
                                       lcm_subscription_t **subscription) MUST_USE;
 void bus_unsubscribe(struct bus *bus, lcm_subscription_t *subscription);

@@ -161,7 +161,7 @@ static void a_log_ends_without_an_error(void **unused)
     temporary_path(path);
     snprintf(url, sizeof url, "file://%s?mode=w", path);
     must(bus_open(&bus, url));
-    assert_true(bus.is_log);
+    assert_true(bus.is_log && bus.lcm);
     must(bus_subscribe(&bus, "A", count_message, &count));
     for (int k = 0; k < 3; k++)
         must(bus_publish(&bus, k == 1 ? "B" : "A", &k, sizeof k));
