@@ -5,60 +5,6 @@
 
 #include "sim/memory.h"
 
-/* Tables of contact_models.h: [dimension - 2][hysteretic][frictional] */
-#define DECLARE_TABLE(name) extern const struct contact_kernels contact_table_##name[2][2][2];
-KERNEL_ISA_LIST(DECLARE_TABLE)
-#undef DECLARE_TABLE
-
-const char *contact_isa_name(enum kernel_isa isa)
-{
-    static const char *const names[] = {
-#define ISA_NAME(name) #name,
-        KERNEL_ISA_LIST(ISA_NAME)
-#undef ISA_NAME
-    };
-    return names[isa];
-}
-
-bool contact_isa_supported(enum kernel_isa isa)
-{
-    __builtin_cpu_init();
-    switch (isa) {
-    case ISA_avx2:
-        return __builtin_cpu_supports("avx2");
-    case ISA_avx512:
-        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-               __builtin_cpu_supports("avx512vl");
-    default:
-        return true;
-    }
-}
-
-enum status contact_isa_select(enum kernel_isa *isa)
-{
-    const char *forced = getenv("SHAKEDOWN_ISA");
-    for (int k = ISA_COUNT - 1; k >= 0; k--) {
-        bool named = forced && strcmp(forced, contact_isa_name(k)) == 0;
-        if (named && !contact_isa_supported(k))
-            return status_fail(STATUS_USAGE, "SHAKEDOWN_ISA=%s: this CPU cannot run it", forced);
-        if (named || (!forced && contact_isa_supported(k))) {
-            *isa = k;
-            return STATUS_OK;
-        }
-    }
-    return status_fail(STATUS_USAGE, "SHAKEDOWN_ISA=%s is unknown; allowed: reference avx2 avx512", forced);
-}
-
-struct contact_kernels contact_kernels_select(enum kernel_isa isa, int dimension, bool hysteretic, bool frictional)
-{
-    static const struct contact_kernels(*const tables[ISA_COUNT])[2][2] = {
-#define TABLE(name) contact_table_##name,
-        KERNEL_ISA_LIST(TABLE)
-#undef TABLE
-    };
-    return tables[isa][dimension - 2][hysteretic][frictional];
-}
-
 struct contact_law_constants contact_law_constants_of(const struct scene_material *m)
 {
     bool linear = m->law == LAW_LINEAR;
@@ -89,6 +35,7 @@ enum status contact_list_reserve(struct contact_list *list, int capacity, int di
     size_t size = (size_t)capacity, keep = (size_t)list->count;
     TRY(array_resize(&list->i, sizeof *list->i, size, keep));
     TRY(array_resize(&list->j, sizeof *list->j, size, keep));
+    TRY(array_resize(&list->reach, sizeof(double), size, keep));
     if (list->hysteretic)
         TRY(array_resize(&list->history, sizeof(double), size, keep));
     for (int c = 0; c < dimension; c++)
@@ -117,6 +64,7 @@ void contact_list_pad(struct contact_list *list, int padding)
     for (int k = list->count; k < list->capacity && k % WIDEST != 0; k++) {
         list->i[k] = padding;
         list->j[k] = padding + 1;
+        list->reach[k] = 0;
         if (list->hysteretic)
             list->history[k] = 0;
         if (list->n_springs)
@@ -130,6 +78,7 @@ void contact_list_free(struct contact_list *list)
 {
     free(list->i);
     free(list->j);
+    free(list->reach);
     free(list->history);
     free(list->sliding);
     for (int c = 0; c < 3; c++) {

@@ -1,5 +1,4 @@
-/* Contacts: the lists of candidate pairs and wall contacts with their history, and the kernels that turn overlaps into
- * forces. `n` is the unit normal from j (or the wall) to i; forces act on i and, reversed, on j. */
+/* Contacts: the lists of candidate pairs and wall contacts with their history, and the constants of the law. `n` is the unit normal from j (or the wall) to i; forces act on i and, reversed, on j. */
 #ifndef SHAKEDOWN_SIM_CONTACTS_H
 #define SHAKEDOWN_SIM_CONTACTS_H
 
@@ -33,6 +32,7 @@ struct contact_list {
     int count, capacity;
     int32_t *i;         /* [count] */
     int32_t *j;         /* [count] other particle, i < j; in the list of a wall: the first padding particle */
+    double *reach;      /* a_i + a_j [m] */
     double *history;    /* delta_max [m]; hysteretic law only */
     double *spring[3];  /* tangential spring at the middle of the step to come [m]: 1 component in 2D, 3 in 3D */
     double *sliding;    /* 1: slides, 0: sticks */
@@ -50,34 +50,6 @@ struct wall {
     double x_list; /* at the last rebuild of the lists */
     struct contact_list contacts;
 };
-
-typedef void contact_pair_kernel(const struct particles *particles, struct contact_list *pairs,
-                                 const struct contact_law_constants *law, struct contact_losses *losses);
-typedef void contact_wall_kernel(const struct particles *particles, struct wall *wall,
-                                 const struct contact_law_constants *law, struct contact_losses *losses);
-
-struct contact_kernels {
-    contact_pair_kernel *pair;
-    contact_wall_kernel *wall;
-};
-
-/* Instruction sets, in the order of preference. */
-#define KERNEL_ISA_LIST(X) X(reference) X(avx2) X(avx512)
-enum kernel_isa {
-#define KERNEL_ISA_ENUM(name) ISA_##name,
-    KERNEL_ISA_LIST(KERNEL_ISA_ENUM)
-#undef KERNEL_ISA_ENUM
-        ISA_COUNT
-};
-
-const char *contact_isa_name(enum kernel_isa isa);
-bool contact_isa_supported(enum kernel_isa isa);
-
-/* The last of the list that the CPU can run, or what SHAKEDOWN_ISA names. STATUS_USAGE if it names something the CPU cannot run. */
-enum status contact_isa_select(enum kernel_isa *isa) MUST_USE;
-
-/* Kernels specialised for a model. dimension 2 or 3. */
-struct contact_kernels contact_kernels_select(enum kernel_isa isa, int dimension, bool hysteretic, bool frictional);
 
 /* Constants of a stage; dt is set by the caller at each force evaluation. */
 struct contact_law_constants contact_law_constants_of(const struct scene_material *material);

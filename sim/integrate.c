@@ -7,63 +7,14 @@
 #include "sim/integrate.h"
 
 #include <math.h>
+#include <string.h>
 
-static void drift(struct particles *p, double dt)
+static double outward_force(const struct wall *wall)
 {
-    const int count = p->count;
-    const double half = 0.5 * dt;
-    for (int c = 0; c < p->dimension; c++) {
-        double *restrict x = p->x[c], *restrict v = p->v[c];
-        const double *restrict a = p->a[c];
-        for (int i = 0; i < count; i++) {
-            x[i] += dt * (v[i] + half * a[i]);
-            v[i] += dt * a[i];
-        }
-    }
-    for (int c = 0; c < p->n_rotations; c++) {
-        double *restrict omega = p->omega[c];
-        const double *restrict alpha = p->alpha[c];
-        for (int i = 0; i < count; i++)
-            omega[i] += dt * alpha[i];
-    }
-}
-
-/* Adds background damping and gravity, turns forces into accelerations, corrects the velocities, and returns the
- * energy that the background took in the step [J]. */
-static double kick(struct world *world, double dt)
-{
-    struct particles *p = &world->particles;
-    const double half = 0.5 * dt, gamma_b = world->material->gamma_b_kg_per_s;
-    const double gamma_br = world->material->gamma_br_kg_per_s;
-    const int count = p->count;
-    double background = 0;
-    for (int c = 0; c < p->dimension; c++) {
-        double *restrict v = p->v[c], *restrict a = p->a[c];
-        const double *restrict force = p->force[c], *restrict inv_mass = p->inv_mass;
-        const double g = world->gravity[c];
-        double sum = 0;
-        for (int i = 0; i < count; i++) {
-            double now = (force[i] - gamma_b * v[i]) * inv_mass[i] + g;
-            sum += v[i] * v[i];
-            v[i] += half * (now - a[i]);
-            a[i] = now;
-        }
-        background += gamma_b * sum;
-    }
-    for (int c = 0; c < p->n_rotations; c++) {
-        double *restrict omega = p->omega[c], *restrict alpha = p->alpha[c];
-        const double *restrict torque = p->torque[c], *restrict inv_inertia = p->inv_inertia, *restrict a = p->radius;
-        double sum = 0;
-        for (int i = 0; i < count; i++) {
-            double damping = gamma_br * a[i] * a[i];
-            double now = (torque[i] - damping * omega[i]) * inv_inertia[i];
-            sum += damping * omega[i] * omega[i];
-            omega[i] += half * (now - alpha[i]);
-            alpha[i] = now;
-        }
-        background += sum;
-    }
-    return background * dt;
+    double sum = 0;
+    for (int k = 0; k < wall->contacts.count; k++)
+        sum += wall->contacts.force[wall->axis][k];
+    return sum * wall->inward;
 }
 
 static void forces(struct world *world, double dt)
@@ -74,24 +25,38 @@ static void forces(struct world *world, double dt)
     for (int w = 0; w < world->n_walls; w++)
         world->kernels.wall(&world->particles, &world->walls[w], &world->law, &lost);
     contact_losses_add(&world->ledger.contacts, &lost);
-    neighbor_sum_forces(&world->particles, &world->pairs, world->walls, world->n_walls);
+    world->kernels.sum(&world->particles, &world->pairs, world->walls, world->n_walls);
+    for (int w = 0; w < world->n_walls; w++)
+        world->walls[w].force = outward_force(&world->walls[w]);
+}
+
+static void kick(struct world *world, double dt)
+{
+    struct kick_constants constants = {
+        .dt = dt, .gamma_b = world->material->gamma_b_kg_per_s, .gamma_br = world->material->gamma_br_kg_per_s};
+    memcpy(constants.gravity, world->gravity, sizeof constants.gravity);
+    world->ledger.background += dt * world->kernels.kick(&world->particles, &constants);
 }
 
 void integrate_forces_anew(struct world *world)
 {
+    (void)world->kernels.drift(&world->particles, 0, INFINITY);
     forces(world, 0);
     kick(world, 0);
 }
 
-/* Moves the walls along their path to the current step. */
-static void move_walls(struct world *world)
+/* Moves the walls along their path to the current step; true if one is too far from where the lists were built. */
+static bool move_walls(struct world *world)
 {
     const struct wall_path *path = &world->path;
+    bool near = true;
     double t = (double)(world->step - path->from_step) * path->dt;
     for (int w = 0; w < world->n_walls; w++) {
         world->walls[w].x = path->x0[w] + t * (path->v0[w] + 0.5 * t * path->a0[w]);
         world->walls[w].v = path->v0[w] + t * path->a0[w];
+        near = near && fabs(world->walls[w].x - world->walls[w].x_list) <= 0.5 * world->neighbor.skin;
     }
+    return !near;
 }
 
 /* Finds what the lists could not cope with; walls and particles may overlap, but not pass each other. */
@@ -130,12 +95,12 @@ enum status world_step(struct world *world)
     world->step++;
     world->stage_step++;
     world->time_s = world->stage_time_start_s + (double)world->stage_step * world->dt;
-    drift(&world->particles, world->dt);
-    move_walls(world);
-    if (neighbor_is_stale(&world->neighbor, &world->particles, world->walls, world->n_walls))
+    bool stale = world->kernels.drift(&world->particles, world->dt, 0.5 * world->neighbor.skin);
+    stale = move_walls(world) || stale;
+    if (stale)
         TRY(renew_lists(world));
     forces(world, world->dt);
-    world->ledger.background += kick(world, world->dt);
+    kick(world, world->dt);
     /* trapezoidal rule; `inward` points into the box, the force outward */
     for (int w = 0; w < world->n_walls; w++)
         world->ledger.work_walls += 0.5 * (force_before[w] + world->walls[w].force) * world->walls[w].inward *

@@ -1,5 +1,7 @@
 /* Four contacts at a time with AVX2. */
 #include <immintrin.h>
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #define LANES 4
@@ -56,6 +58,51 @@ LANES_INLINE real real_larger(real a, real b) /* a > b ? a : b, also for NaN and
 LANES_INLINE real real_smaller(real a, real b)
 {
     return _mm256_min_pd(a, b);
+}
+LANES_INLINE bool mask_all(mask m)
+{
+    return _mm256_movemask_pd(m) == 0xf;
+}
+LANES_INLINE real real_rsqrt(real x) /* as the reference */
+{
+    real y = _mm256_cvtps_pd(_mm_div_ps(_mm_set1_ps(1.0f), _mm_sqrt_ps(_mm256_cvtpd_ps(x))));
+    real half = real_all(0.5) * x;
+    y = y * (real_all(1.5) - half * y * y);
+    return y * (real_all(1.5) - half * y * y);
+}
+LANES_INLINE void lanes_transpose4(__m256d r0, __m256d r1, __m256d r2, __m256d r3, real *column)
+{
+    __m256d lo01 = _mm256_unpacklo_pd(r0, r1), hi01 = _mm256_unpackhi_pd(r0, r1);
+    __m256d lo23 = _mm256_unpacklo_pd(r2, r3), hi23 = _mm256_unpackhi_pd(r2, r3);
+    column[0] = _mm256_permute2f128_pd(lo01, lo23, 0x20);
+    column[1] = _mm256_permute2f128_pd(hi01, hi23, 0x20);
+    column[2] = _mm256_permute2f128_pd(lo01, lo23, 0x31);
+    column[3] = _mm256_permute2f128_pd(hi01, hi23, 0x31);
+}
+LANES_INLINE void lanes_gather4(const double *base, int stride, const int32_t *at, real *column)
+{
+    lanes_transpose4(_mm256_loadu_pd(base + stride * (size_t)at[0]), _mm256_loadu_pd(base + stride * (size_t)at[1]),
+                     _mm256_loadu_pd(base + stride * (size_t)at[2]), _mm256_loadu_pd(base + stride * (size_t)at[3]),
+                     column);
+}
+LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
+{
+    real row[4];
+    lanes_transpose4(column[0], column[1], column[2], column[3], row);
+    for (int r = 0; r < 4; r++)
+        _mm256_storeu_pd(to + stride * r, row[r]);
+}
+LANES_INLINE void lanes_load2(const double *from, real *column)
+{
+    __m256d a = _mm256_loadu_pd(from), b = _mm256_loadu_pd(from + 4);
+    __m256d front = _mm256_permute2f128_pd(a, b, 0x20), back = _mm256_permute2f128_pd(a, b, 0x31);
+    column[0] = _mm256_unpacklo_pd(front, back);
+    column[1] = _mm256_unpackhi_pd(front, back);
+}
+LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
+{
+    lanes_transpose4(_mm256_loadu_pd(from), _mm256_loadu_pd(from + stride), _mm256_loadu_pd(from + 2 * stride),
+                     _mm256_loadu_pd(from + 3 * stride), column);
 }
 LANES_INLINE double real_sum(real x)
 {

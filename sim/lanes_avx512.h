@@ -1,5 +1,7 @@
 /* Eight contacts at a time with AVX-512. */
 #include <immintrin.h>
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #define LANES 8
@@ -56,6 +58,68 @@ LANES_INLINE real real_larger(real a, real b) /* a > b ? a : b, also for NaN and
 LANES_INLINE real real_smaller(real a, real b)
 {
     return _mm512_min_pd(a, b);
+}
+LANES_INLINE bool mask_all(mask m)
+{
+    return m == 0xff;
+}
+LANES_INLINE real real_rsqrt(real x) /* as the reference */
+{
+    real y = _mm512_cvtps_pd(_mm256_div_ps(_mm256_set1_ps(1.0f), _mm256_sqrt_ps(_mm512_cvtpd_ps(x))));
+    real half = real_all(0.5) * x;
+    y = y * (real_all(1.5) - half * y * y);
+    return y * (real_all(1.5) - half * y * y);
+}
+/* Two records of 4 doubles in one register. */
+LANES_INLINE __m512d lanes_two(const double *low, const double *high)
+{
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high), 1);
+}
+/* Rows 0 and 2, 1 and 3, 4 and 6, 5 and 7 in one register each: then two shuffles a column bring them in order. */
+LANES_INLINE void lanes_transpose4(__m512d r02, __m512d r13, __m512d r46, __m512d r57, real *column)
+{
+    __m512d lo0 = _mm512_unpacklo_pd(r02, r13), hi0 = _mm512_unpackhi_pd(r02, r13);
+    __m512d lo4 = _mm512_unpacklo_pd(r46, r57), hi4 = _mm512_unpackhi_pd(r46, r57);
+    column[0] = _mm512_shuffle_f64x2(lo0, lo4, 0x88);
+    column[1] = _mm512_shuffle_f64x2(hi0, hi4, 0x88);
+    column[2] = _mm512_shuffle_f64x2(lo0, lo4, 0xdd);
+    column[3] = _mm512_shuffle_f64x2(hi0, hi4, 0xdd);
+}
+LANES_INLINE void lanes_gather4(const double *base, int stride, const int32_t *at, real *column)
+{
+    const double *row[LANES];
+    for (int r = 0; r < LANES; r++)
+        row[r] = base + stride * (size_t)at[r];
+    lanes_transpose4(lanes_two(row[0], row[2]), lanes_two(row[1], row[3]), lanes_two(row[4], row[6]),
+                     lanes_two(row[5], row[7]), column);
+}
+LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
+{
+    lanes_transpose4(lanes_two(from, from + 2 * stride), lanes_two(from + stride, from + 3 * stride),
+                     lanes_two(from + 4 * stride, from + 6 * stride), lanes_two(from + 5 * stride, from + 7 * stride),
+                     column);
+}
+LANES_INLINE void lanes_store_two(double *low, double *high, __m512d rows)
+{
+    _mm256_storeu_pd(low, _mm512_castpd512_pd256(rows));
+    _mm256_storeu_pd(high, _mm512_extractf64x4_pd(rows, 1));
+}
+LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
+{
+    const __m512i front = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0), back = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
+    __m512d even01 = _mm512_unpacklo_pd(column[0], column[1]), odd01 = _mm512_unpackhi_pd(column[0], column[1]);
+    __m512d even23 = _mm512_unpacklo_pd(column[2], column[3]), odd23 = _mm512_unpackhi_pd(column[2], column[3]);
+    lanes_store_two(to, to + 2 * stride, _mm512_permutex2var_pd(even01, front, even23));
+    lanes_store_two(to + stride, to + 3 * stride, _mm512_permutex2var_pd(odd01, front, odd23));
+    lanes_store_two(to + 4 * stride, to + 6 * stride, _mm512_permutex2var_pd(even01, back, even23));
+    lanes_store_two(to + 5 * stride, to + 7 * stride, _mm512_permutex2var_pd(odd01, back, odd23));
+}
+LANES_INLINE void lanes_load2(const double *from, real *column)
+{
+    const __m512i even = _mm512_set_epi64(14, 12, 10, 8, 6, 4, 2, 0), odd = _mm512_set_epi64(15, 13, 11, 9, 7, 5, 3, 1);
+    __m512d a = _mm512_loadu_pd(from), b = _mm512_loadu_pd(from + 8);
+    column[0] = _mm512_permutex2var_pd(a, even, b);
+    column[1] = _mm512_permutex2var_pd(a, odd, b);
 }
 LANES_INLINE double real_sum(real x)
 {

@@ -1,5 +1,7 @@
 /* One contact at a time, in plain C: the reference of the vector kernels, and what runs on a CPU without them. */
 #include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #define LANES 1
@@ -56,6 +58,44 @@ LANES_INLINE real real_larger(real a, real b)
 LANES_INLINE real real_smaller(real a, real b)
 {
     return a < b ? a : b;
+}
+LANES_INLINE bool mask_all(mask m)
+{
+    return m != 0;
+}
+/* 1/sqrt(x) to about one unit in the last place from single-precision square root and division, both exactly rounded
+ * everywhere, and two Newton steps: the same bits in every instruction set, and much cheaper than in double. */
+LANES_INLINE real real_rsqrt(real x)
+{
+    real y = 1.0f / sqrtf((float)x);
+    real half = 0.5 * x;
+    y = y * (1.5 - half * y * y);
+    return y * (1.5 - half * y * y);
+}
+/* Columns of records of 4 doubles, at rows at[0 ... LANES-1] of `stride` doubles. */
+LANES_INLINE void lanes_gather4(const double *base, int stride, const int32_t *at, real *column)
+{
+    for (int c = 0; c < 4; c++)
+        column[c] = base[stride * (size_t)at[0] + (size_t)c];
+}
+/* Writes LANES consecutive records of 4 doubles. */
+LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
+{
+    (void)stride;
+    for (int c = 0; c < 4; c++)
+        to[c] = column[c];
+}
+/* Reads LANES consecutive records of 2 or 4 doubles, without gaps. */
+LANES_INLINE void lanes_load2(const double *from, real *column)
+{
+    column[0] = from[0];
+    column[1] = from[1];
+}
+LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
+{
+    (void)stride;
+    for (int c = 0; c < 4; c++)
+        column[c] = from[c];
 }
 LANES_INLINE double real_sum(real x)
 {

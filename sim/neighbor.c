@@ -40,28 +40,6 @@ void neighbor_free(struct neighbor *nb)
     memset(nb, 0, sizeof *nb);
 }
 
-bool neighbor_is_stale(const struct neighbor *nb, const struct particles *p, const struct wall *walls, int n_walls)
-{
-    const double half = 0.5 * nb->skin, limit = half * half;
-    int near = 0;
-    for (int w = 0; w < n_walls; w++)
-        if (!(fabs(walls[w].x - walls[w].x_list) <= half))
-            return true;
-    if (p->dimension == 2) {
-        const double *x0 = p->x[0], *x1 = p->x[1], *r0 = p->x_list[0], *r1 = p->x_list[1];
-        for (int i = 0; i < p->count; i++)
-            near += (x0[i] - r0[i]) * (x0[i] - r0[i]) + (x1[i] - r1[i]) * (x1[i] - r1[i]) <= limit;
-    } else {
-        const double *x0 = p->x[0], *x1 = p->x[1], *x2 = p->x[2];
-        const double *r0 = p->x_list[0], *r1 = p->x_list[1], *r2 = p->x_list[2];
-        for (int i = 0; i < p->count; i++)
-            near += (x0[i] - r0[i]) * (x0[i] - r0[i]) + (x1[i] - r1[i]) * (x1[i] - r1[i]) +
-                        (x2[i] - r2[i]) * (x2[i] - r2[i]) <=
-                    limit;
-    }
-    return near != p->count;
-}
-
 static double largest_radius(const struct particles *p)
 {
     double largest = 0;
@@ -206,6 +184,7 @@ static enum status build_pairs(struct neighbor *nb, const struct particles *p, s
         for (int k = first; k < fresh->count; k++) {
             while (old < pairs->count && (pairs->i[old] < i || (pairs->i[old] == i && pairs->j[old] < fresh->j[k])))
                 old++;
+            fresh->reach[k] = p->radius[i] + p->radius[fresh->j[k]];
             bool known = old < pairs->count && pairs->i[old] == i && pairs->j[old] == fresh->j[k];
             if (known)
                 carry_history(fresh, k, pairs, old);
@@ -234,6 +213,7 @@ static enum status build_wall(struct neighbor *nb, const struct particles *p, st
         int k = fresh->count++;
         fresh->i[k] = i;
         fresh->j[k] = p->count;
+        fresh->reach[k] = p->radius[i];
         while (old < contacts->count && contacts->i[old] < i)
             old++;
         if (old < contacts->count && contacts->i[old] == i)
@@ -259,45 +239,4 @@ enum status neighbor_build(struct neighbor *nb, struct particles *p, struct cont
         memcpy(p->x_list[c], p->x[c], (size_t)p->count * sizeof(double));
     nb->rebuilds++;
     return STATUS_OK;
-}
-
-/* Adds value[k] to both ends of every pair, `as_j` times to the second. */
-static void scatter_pairs(const struct contact_list *pairs, const double *restrict value, double as_j,
-                          double *restrict into)
-{
-    const int32_t *restrict i = pairs->i, *restrict j = pairs->j;
-    for (int k = 0; k < pairs->count; k++) {
-        into[i[k]] += value[k];
-        into[j[k]] += as_j * value[k];
-    }
-}
-
-static void sum_component(const struct contact_list *pairs, double *const *pair_value, double as_j,
-                          const struct wall *walls, int n_walls, int c, bool moment, int count, double *into)
-{
-    memset(into, 0, (size_t)count * sizeof *into);
-    scatter_pairs(pairs, pair_value[c], as_j, into);
-    for (int w = 0; w < n_walls; w++) {
-        const struct contact_list *list = &walls[w].contacts;
-        const double *value = moment ? list->moment[c] : list->force[c];
-        for (int k = 0; k < list->count; k++)
-            into[list->i[k]] += value[k];
-    }
-}
-
-void neighbor_sum_forces(struct particles *p, const struct contact_list *pairs, struct wall *walls, int n_walls)
-{
-    for (int c = 0; c < p->dimension; c++)
-        sum_component(pairs, pairs->force, -1.0, walls, n_walls, c, false, p->count, p->force[c]);
-    for (int c = 0; c < p->n_rotations; c++) {
-        sum_component(pairs, pairs->moment, 1.0, walls, n_walls, c, true, p->count, p->torque[c]);
-        for (int i = 0; i < p->count; i++)
-            p->torque[c][i] *= -p->radius[i];
-    }
-    for (int w = 0; w < n_walls; w++) {
-        double sum = 0;
-        for (int k = 0; k < walls[w].contacts.count; k++)
-            sum += walls[w].contacts.force[walls[w].axis][k];
-        walls[w].force = sum * walls[w].inward;
-    }
 }

@@ -24,17 +24,8 @@ enum status neighbor_init(struct neighbor *neighbor, const struct particles *par
                           bool hysteretic) MUST_USE;
 void neighbor_free(struct neighbor *neighbor);
 
-/* True when a particle or a wall has moved more than half the skin since the last build (or is not finite). */
-bool neighbor_is_stale(const struct neighbor *neighbor, const struct particles *particles, const struct wall *walls,
-                       int n_walls);
-
 /* Builds `pairs` and the walls' lists anew for the current positions. Errors: STATUS_NO_MEMORY. */
 enum status neighbor_build(struct neighbor *neighbor, struct particles *particles, struct contact_list *pairs,
                            struct wall *walls, int n_walls) MUST_USE;
-
-/* Sums the forces and moments of pairs, then of walls, into particles->force and torque and the walls' force, in the
- * order of the lists. */
-void neighbor_sum_forces(struct particles *particles, const struct contact_list *pairs, struct wall *walls,
-                         int n_walls);
 
 #endif

@@ -16,7 +16,7 @@ static enum status components_resize(double **component, int n, int count)
 /* Two particles behind the last that fill up vectors: a metre apart, with radii that touch nothing. */
 static void pad(struct particles *p)
 {
-    p->x[0][p->count + 1] = 1;
+    p->x[0][p->count + 1] = p->x_list[0][p->count + 1] = 1;
     p->radius[p->count] = p->radius[p->count + 1] = -1e6;
 }
 
@@ -29,11 +29,11 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
     TRY(components_resize(p->x, dimension, count));
     TRY(components_resize(p->v, dimension, count));
     TRY(components_resize(p->a, dimension, count));
-    TRY(components_resize(p->force, dimension, count));
+    TRY(array_resize(&p->force, FORCE_STRIDE(dimension, rotations) * sizeof(double), (size_t)count, 0));
+    TRY(array_resize(&p->packed, PACKED_STRIDE(dimension, rotations) * sizeof(double), (size_t)count, 0));
     TRY(components_resize(p->x_list, dimension, count));
     TRY(components_resize(p->omega, p->n_rotations, count));
     TRY(components_resize(p->alpha, p->n_rotations, count));
-    TRY(components_resize(p->torque, p->n_rotations, count));
     TRY(components_resize(&p->radius, 1, count));
     TRY(components_resize(&p->mass, 1, count));
     TRY(components_resize(&p->inv_mass, 1, count));
@@ -49,12 +49,12 @@ void particles_free(struct particles *p)
         free(p->x[c]);
         free(p->v[c]);
         free(p->a[c]);
-        free(p->force[c]);
         free(p->omega[c]);
         free(p->alpha[c]);
-        free(p->torque[c]);
         free(p->x_list[c]);
     }
+    free(p->force);
+    free(p->packed);
     free(p->radius);
     free(p->mass);
     free(p->inv_mass);

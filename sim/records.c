@@ -35,7 +35,7 @@ void records_init(struct records *records, struct record_stream *stream, int64_t
 
 void records_kernel_set(const struct world *world, char *text, size_t size)
 {
-    snprintf(text, size, "%s %dd %s %s", contact_isa_name(world->isa), world->particles.dimension,
+    snprintf(text, size, "%s %dd %s %s", kernel_isa_name(world->isa), world->particles.dimension,
              world->pairs.hysteretic ? "hysteretic" : "linear", world->pairs.n_springs ? "frictional" : "frictionless");
 }
 

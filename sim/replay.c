@@ -28,7 +28,7 @@ struct state_field {
 };
 #define FIELD(name, type)                                                                                              \
     {                                                                                                                  \
-        #name, offsetof(struct wall_state, name), type                                                                 \
+#name, offsetof(struct wall_state, name), type                                                                 \
     }
 static const struct state_field state_fields[] = {
     FIELD(n_walls, FIELD_INT),
@@ -106,8 +106,8 @@ static void on_state(const lcm_recv_buf_t *buffer, const char *channel, void *us
     if (!belongs(r, &header) || r->failure != STATUS_OK)
         return;
     if (!r->now) {
-        r->failure = status_fail(STATUS_FORMAT, "the log goes on with step %" PRId64 ", the protocol is done here",
-                                 state.step);
+        r->failure =
+            status_fail(STATUS_FORMAT, "the log goes on with step %" PRId64 ", the protocol is done here", state.step);
         return;
     }
     if (state.step < r->now->step) /* a late copy */
@@ -189,7 +189,8 @@ enum status replay_exchange(struct replay *r, const struct wall_state *state, st
     TRY(r->failure);
     if (!r->state_seen || !r->command_seen)
         return status_fail(STATUS_INCOMPLETE,
-                           "step %" PRId64 ": the log has no wall %s for it%s; record them with record.walls = \"full\"",
+                           "step %" PRId64
+                           ": the log has no wall %s for it%s; record them with record.walls = \"full\"",
                            state->step, r->state_seen ? "command" : "state", r->ended ? "" : " and no END");
     r->counts.commands++;
     *command = r->command;

@@ -1,5 +1,5 @@
-/* Replay of a run's log through the simulator: the recorded commands drive the world, without a bus, and the wall states
- * of today are compared with the recorded ones, bit for bit. */
+/* Replay of a run's log through the simulator: the recorded commands drive the world, without a bus, and the wall
+ * states of today are compared with the recorded ones, bit for bit. */
 #ifndef SHAKEDOWN_SIM_REPLAY_H
 #define SHAKEDOWN_SIM_REPLAY_H
 

@@ -51,8 +51,8 @@ static enum status model(struct world *world, const struct scene *scene)
     world->n_walls = scene_wall_count(scene);
     for (int c = 0; c < dimension && scene->gravity_m_per_s2.count; c++)
         world->gravity[c] = scene->gravity_m_per_s2.value[world_axis(world, c)];
-    TRY(contact_isa_select(&world->isa));
-    world->kernels = contact_kernels_select(world->isa, dimension, hysteretic, frictional);
+    TRY(kernel_isa_select(&world->isa));
+    world->kernels = kernels_select(world->isa, dimension, hysteretic, frictional);
     TRY(particles_init(&world->particles, (int)scene->sample.count, dimension, frictional));
     world->pairs.hysteretic = hysteretic;
     world->pairs.n_springs = world->particles.n_rotations;

@@ -6,6 +6,7 @@
 #include "common/coupling.h"
 #include "common/scene.h"
 #include "sim/contacts.h"
+#include "sim/kernels.h"
 #include "sim/neighbor.h"
 #include "sim/particles.h"
 
@@ -33,7 +34,7 @@ struct world {
     int n_walls;
     struct wall_path path;
     enum kernel_isa isa;
-    struct contact_kernels kernels;
+    struct kernels kernels;
     struct contact_law_constants law;
     const struct scene_material *material; /* of the stage */
     double gravity[3];                     /* components as the particles' */

@@ -1,4 +1,4 @@
-/* Force kernels, written once and compiled for each model and instruction set. The including file defines
+/* The kernels of a step, written once and compiled for each model and instruction set. The including file defines
  *   ISA         part of the names; lanes_<ISA>.h is included before: `real` holds LANES contacts
  *   DIM         2 | 3
  *   HYSTERETIC  0 | 1
@@ -206,34 +206,73 @@ LANES_INLINE void NAME(sums_close)(const struct NAME(sums) * sums, struct contac
     losses->friction += real_sum(sums->friction);
 }
 
+struct NAME(packed) {
+    real x[DIM], v[DIM];
+#if FRICTIONAL
+    real omega[SPRINGS], radius;
+#endif
+};
+
+/* The packed records (particles.h) of LANES particles. */
+LANES_INLINE struct NAME(packed) NAME(unpack)(const struct particles *p, const int32_t *at)
+{
+    struct NAME(packed) to;
+    real block[4];
+    lanes_gather4(p->packed, PACKED_STRIDE(DIM, FRICTIONAL), at, block);
+#if DIM == 2
+    to.x[0] = block[0];
+    to.x[1] = block[1];
+    to.v[0] = block[2];
+    to.v[1] = block[3];
+#if FRICTIONAL
+    lanes_gather4(p->packed + 4, PACKED_STRIDE(DIM, FRICTIONAL), at, block);
+    to.omega[0] = block[0];
+    to.radius = block[1];
+#endif
+#else
+    for (int c = 0; c < 3; c++)
+        to.x[c] = block[c];
+#if FRICTIONAL
+    to.radius = block[3];
+#endif
+    lanes_gather4(p->packed + 4, PACKED_STRIDE(DIM, FRICTIONAL), at, block);
+    for (int c = 0; c < 3; c++)
+        to.v[c] = block[c];
+#if FRICTIONAL
+    lanes_gather4(p->packed + 8, PACKED_STRIDE(DIM, FRICTIONAL), at, block);
+    for (int c = 0; c < 3; c++)
+        to.omega[c] = block[c];
+#endif
+#endif
+    return to;
+}
+
 static void NAME(pair)(const struct particles *p, struct contact_list *pairs,
                        const struct contact_law_constants *law_in, struct contact_losses *losses)
 {
     const struct contact_law_constants law = *law_in;
     struct NAME(sums) sums = {real_all(0.0), real_all(0.0), real_all(0.0), real_all(0.0)};
     for (int k = 0; k < pairs->count; k += LANES) {
-        indices i = indices_load(pairs->i + k), j = indices_load(pairs->j + k);
+        struct NAME(packed) i = NAME(unpack)(p, pairs->i + k), j = NAME(unpack)(p, pairs->j + k);
         real d[DIM], n[DIM], g[DIM], w[3] = {0}, spin[3] = {0}, d2 = real_all(0.0);
         for (int c = 0; c < DIM; c++) {
-            d[c] = real_gather(p->x[c], i) - real_gather(p->x[c], j);
-            g[c] = real_gather(p->v[c], i) - real_gather(p->v[c], j);
+            d[c] = i.x[c] - j.x[c];
+            g[c] = i.v[c] - j.v[c];
             d2 = d2 + d[c] * d[c];
         }
-        real a_i = real_gather(p->radius, i), a_j = real_gather(p->radius, j);
-        real distance = real_sqrt(d2);
-        real inverse = real_all(1.0) / distance;
+        real inverse = real_rsqrt(d2);
+        real distance = d2 * inverse;
         for (int c = 0; c < DIM; c++)
             n[c] = d[c] * inverse;
 #if FRICTIONAL
         for (int c = 0; c < SPRINGS; c++) {
-            real o_i = real_gather(p->omega[c], i), o_j = real_gather(p->omega[c], j);
-            w[c] = a_i * o_i + a_j * o_j;
-            spin[c] = real_all(0.5) * (o_i + o_j);
+            w[c] = i.radius * i.omega[c] + j.radius * j.omega[c];
+            spin[c] = real_all(0.5) * (i.omega[c] + j.omega[c]);
         }
 #endif
         struct NAME(contact_state) state = NAME(state_load)(pairs, k);
         struct NAME(contact_result) result =
-            NAME(contact)(&law, a_i + a_j - distance, n, g, w, spin, &state);
+            NAME(contact)(&law, real_load(pairs->reach + k) - distance, n, g, w, spin, &state);
         NAME(store)(pairs, k, &state, &result);
         NAME(sums_add)(&sums, &result);
     }
@@ -270,4 +309,134 @@ static void NAME(wall)(const struct particles *p, struct wall *wall, const struc
         NAME(sums_add)(&sums, &result);
     }
     NAME(sums_close)(&sums, losses);
+}
+
+/* Writes LANES packed records from particle i on. */
+LANES_INLINE void NAME(pack)(struct particles *p, int i, const real *x, const real *v, const real *omega)
+{
+    double *to = p->packed + (size_t)i * PACKED_STRIDE(DIM, FRICTIONAL);
+    const real zero = real_all(0.0), radius = real_load(p->radius + i);
+    (void)zero;
+    (void)radius;
+    (void)omega;
+#if DIM == 2
+    real block[4] = {x[0], x[1], v[0], v[1]};
+    lanes_store4(to, PACKED_STRIDE(DIM, FRICTIONAL), block);
+#if FRICTIONAL
+    real second[4] = {omega[0], radius, zero, zero};
+    lanes_store4(to + 4, PACKED_STRIDE(DIM, FRICTIONAL), second);
+#endif
+#else
+    real block[4] = {x[0], x[1], x[2], radius}, second[4] = {v[0], v[1], v[2], zero};
+    lanes_store4(to, PACKED_STRIDE(DIM, FRICTIONAL), block);
+    lanes_store4(to + 4, PACKED_STRIDE(DIM, FRICTIONAL), second);
+#if FRICTIONAL
+    real third[4] = {omega[0], omega[1], omega[2], zero};
+    lanes_store4(to + 8, PACKED_STRIDE(DIM, FRICTIONAL), third);
+#endif
+#endif
+}
+
+/* x += v dt + a dt^2/2, v and omega predicted for the end of the step; packs the records. */
+static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
+{
+    const real dt = real_all(dt_s), half = real_all(0.5 * dt_s), limit2 = real_all(reach_m * reach_m);
+    bool near = true;
+    for (int i = 0; i < p->count; i += LANES) {
+        real x[DIM], v[DIM], omega[3] = {0}, moved2 = real_all(0.0);
+        for (int c = 0; c < DIM; c++) {
+            real a = real_load(p->a[c] + i), before = real_load(p->v[c] + i);
+            x[c] = real_load(p->x[c] + i) + dt * (before + half * a);
+            v[c] = before + dt * a;
+            real moved = x[c] - real_load(p->x_list[c] + i);
+            moved2 = moved2 + moved * moved;
+            real_store(p->x[c] + i, x[c]);
+            real_store(p->v[c] + i, v[c]);
+        }
+#if FRICTIONAL
+        for (int c = 0; c < SPRINGS; c++) {
+            omega[c] = real_load(p->omega[c] + i) + dt * real_load(p->alpha[c] + i);
+            real_store(p->omega[c] + i, omega[c]);
+        }
+#endif
+        NAME(pack)(p, i, x, v, omega);
+        near = near && mask_all(mask_at_least(limit2, moved2)); /* false for NaN too */
+    }
+    return !near;
+}
+
+/* Accelerations from the summed forces, background damping and gravity; corrects v and omega by the change of
+ * acceleration. Returns the power that the background takes [W]. */
+static double NAME(kick)(struct particles *p, const struct kick_constants *constants)
+{
+    const real half = real_all(0.5 * constants->dt), gamma_b = real_all(constants->gamma_b);
+    real power = real_all(0.0);
+    for (int i = 0; i < p->count; i += LANES) {
+        real force[4], inv_mass = real_load(p->inv_mass + i), mass = real_load(p->mass + i), v2 = real_all(0.0);
+#if DIM == 2 && !FRICTIONAL
+        lanes_load2(p->force + (size_t)i * FORCE_STRIDE(DIM, FRICTIONAL), force);
+#else
+        lanes_load4(p->force + (size_t)i * FORCE_STRIDE(DIM, FRICTIONAL), FORCE_STRIDE(DIM, FRICTIONAL), force);
+#endif
+        for (int c = 0; c < DIM; c++) {
+            real v = real_load(p->v[c] + i), before = real_load(p->a[c] + i);
+            real a = (force[c] - gamma_b * v + real_all(constants->gravity[c]) * mass) * inv_mass;
+            v2 = v2 + v * v;
+            real_store(p->v[c] + i, v + half * (a - before));
+            real_store(p->a[c] + i, a);
+        }
+        power = power + gamma_b * v2;
+#if FRICTIONAL
+        real radius = real_load(p->radius + i), inv_inertia = real_load(p->inv_inertia + i);
+        real damping = real_all(constants->gamma_br) * radius * radius, omega2 = real_all(0.0);
+#if DIM == 2
+        real torque[1] = {force[2]};
+#else
+        real torque[4];
+        lanes_load4(p->force + (size_t)i * FORCE_STRIDE(DIM, FRICTIONAL) + 4, FORCE_STRIDE(DIM, FRICTIONAL), torque);
+#endif
+        for (int c = 0; c < SPRINGS; c++) {
+            real omega = real_load(p->omega[c] + i), before = real_load(p->alpha[c] + i);
+            real alpha = (-radius * torque[c] - damping * omega) * inv_inertia;
+            omega2 = omega2 + omega * omega;
+            real_store(p->omega[c] + i, omega + half * (alpha - before));
+            real_store(p->alpha[c] + i, alpha);
+        }
+        power = power + damping * omega2;
+#endif
+    }
+    return real_sum(power);
+}
+
+/* Sums pair forces, then wall forces, into particles->force, one contact after the other in the order of the lists. */
+static void NAME(sum)(struct particles *p, const struct contact_list *pairs, const struct wall *walls, int n_walls)
+{
+    double *restrict into = p->force;
+    enum { STRIDE = FORCE_STRIDE(DIM, FRICTIONAL) };
+    memset(into, 0, (size_t)p->count * STRIDE * sizeof *into);
+    for (int k = 0; k < pairs->count; k++) {
+        double *to_i = into + (size_t)pairs->i[k] * STRIDE, *to_j = into + (size_t)pairs->j[k] * STRIDE;
+        for (int c = 0; c < DIM; c++) {
+            to_i[c] += pairs->force[c][k];
+            to_j[c] -= pairs->force[c][k];
+        }
+#if FRICTIONAL
+        for (int c = 0; c < SPRINGS; c++) {
+            to_i[TORQUE_OFFSET(DIM) + c] += pairs->moment[c][k];
+            to_j[TORQUE_OFFSET(DIM) + c] += pairs->moment[c][k];
+        }
+#endif
+    }
+    for (int w = 0; w < n_walls; w++) {
+        const struct contact_list *list = &walls[w].contacts;
+        for (int k = 0; k < list->count; k++) {
+            double *to = into + (size_t)list->i[k] * STRIDE;
+            for (int c = 0; c < DIM; c++)
+                to[c] += list->force[c][k];
+#if FRICTIONAL
+            for (int c = 0; c < SPRINGS; c++)
+                to[TORQUE_OFFSET(DIM) + c] += list->moment[c][k];
+#endif
+        }
+    }
 }

@@ -1,6 +1,8 @@
 /* The kernels one contact at a time: the reference of the vector ones. */
-#include "sim/contacts.h"
+#include <string.h>
+
+#include "sim/kernels.h"
 #include "sim/lanes_reference.h"
 
 #define ISA reference
-#include "sim/contact_models.h"
+#include "sim/kernel_models.h"

@@ -1,0 +1,60 @@
+/* The kernels of a time step, specialised at compile time for each model and instruction set (kernel_tmpl.h) and chosen
+ * at the start of a run. */
+#ifndef SHAKEDOWN_SIM_KERNELS_H
+#define SHAKEDOWN_SIM_KERNELS_H
+
+#include "sim/contacts.h"
+
+struct kick_constants {
+    double dt;
+    double gamma_b, gamma_br; /* kg/s */
+    double gravity[3];        /* m/s^2, components as the particles' */
+};
+
+/* Forces and moments of all pairs; history, springs and sliding change. Adds the energy lost. */
+typedef void pair_kernel(const struct particles *particles, struct contact_list *pairs,
+                         const struct contact_law_constants *law, struct contact_losses *losses);
+
+/* The same for the contacts of one wall. */
+typedef void wall_kernel(const struct particles *particles, struct wall *wall, const struct contact_law_constants *law,
+                         struct contact_losses *losses);
+
+/* Positions of the next step and velocities predicted for it; packs the records. True if a particle is further than
+ * reach_m from where the lists were built, or not finite. dt_s = 0 only packs. */
+typedef bool drift_kernel(struct particles *particles, double dt_s, double reach_m);
+
+/* particles->force from the forces and moments of pairs and walls. */
+typedef void sum_kernel(struct particles *particles, const struct contact_list *pairs, const struct wall *walls,
+                        int n_walls);
+
+/* Accelerations and corrected velocities; returns the power that background damping takes [W]. */
+typedef double kick_kernel(struct particles *particles, const struct kick_constants *constants);
+
+struct kernels {
+    pair_kernel *pair;
+    wall_kernel *wall;
+    drift_kernel *drift;
+    sum_kernel *sum;
+    kick_kernel *kick;
+};
+
+/* Instruction sets, in the order of preference. */
+#define KERNEL_ISA_LIST(X) X(reference) X(avx2) X(avx512)
+enum kernel_isa {
+#define KERNEL_ISA_ENUM(name) ISA_##name,
+    KERNEL_ISA_LIST(KERNEL_ISA_ENUM)
+#undef KERNEL_ISA_ENUM
+        ISA_COUNT
+};
+
+const char *kernel_isa_name(enum kernel_isa isa);
+bool kernel_isa_supported(enum kernel_isa isa);
+
+/* The last of the list that the CPU can run, or what SHAKEDOWN_ISA names. STATUS_USAGE if that is unknown or the CPU
+ * cannot run it. */
+enum status kernel_isa_select(enum kernel_isa *isa) MUST_USE;
+
+/* Kernels specialised for a model. dimension 2 or 3. */
+struct kernels kernels_select(enum kernel_isa isa, int dimension, bool hysteretic, bool frictional);
+
+#endif
