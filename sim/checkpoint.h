@@ -28,11 +28,12 @@ struct run_progress {
  * file or the new one. STATUS_IO, the old file untouched, if the disk does not take it. */
 enum status checkpoint_write(const char *path, const struct world *world, const struct run_progress *progress) MUST_USE;
 
-/* `copy` becomes another name of the file at `path` (a copy where links are not to be had); an older one is replaced. */
+/* `copy` becomes another name of the file at `path` (a copy where links are not to be had); an older one is replaced.
+ */
 enum status checkpoint_share(const char *path, const char *copy) MUST_USE;
 
-/* Makes the world as it was and says where its run stood. `scene` must be the run's and outlive the world. STATUS_IO (no
- * such file), STATUS_FORMAT (not a checkpoint, or damaged), STATUS_CONFIG (another scene: names the first key that
+/* Makes the world as it was and says where its run stood. `scene` must be the run's and outlive the world. STATUS_IO
+ * (no such file), STATUS_FORMAT (not a checkpoint, or damaged), STATUS_CONFIG (another scene: names the first key that
  * differs). */
 enum status checkpoint_resume(const char *path, const struct scene *scene, struct world **world,
                               struct run_progress *progress) MUST_USE;
