@@ -9,14 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-static double outward_force(const struct wall *wall)
-{
-    double sum = 0;
-    for (int k = 0; k < wall->contacts.count; k++)
-        sum += wall->contacts.force[wall->axis][k];
-    return sum * wall->inward;
-}
-
 static void forces(struct world *world, double dt)
 {
     struct contact_losses lost = {0};
@@ -25,9 +17,6 @@ static void forces(struct world *world, double dt)
     for (int w = 0; w < world->n_walls; w++)
         world->kernels.wall(&world->particles, &world->walls[w], &world->law, &lost);
     contact_losses_add(&world->ledger.contacts, &lost);
-    world->kernels.sum(&world->particles, &world->pairs, world->walls, world->n_walls);
-    for (int w = 0; w < world->n_walls; w++)
-        world->walls[w].force = outward_force(&world->walls[w]);
 }
 
 static void kick(struct world *world, double dt)

@@ -34,10 +34,9 @@
 #define FRICTIONAL 1
 #include "sim/kernel_tmpl.h"
 
-#define ENTRY(d, h, f)                                                                                         \
+#define ENTRY(d, h, f)                                                                                                 \
     {                                                                                                                  \
-        NAME__(pair, ISA, d, h, f), NAME__(wall, ISA, d, h, f), NAME__(drift, ISA, d, h, f),                           \
-            NAME__(sum, ISA, d, h, f), NAME__(kick, ISA, d, h, f)                                                      \
+        NAME__(pair, ISA, d, h, f), NAME__(wall, ISA, d, h, f), NAME__(drift, ISA, d, h, f), NAME__(kick, ISA, d, h, f) \
     }
 #define TABLE__(isa)    kernel_table_##isa
 #define TABLE_(isa)     TABLE__(isa)

@@ -247,10 +247,34 @@ LANES_INLINE struct NAME(packed) NAME(unpack)(const struct particles *p, const i
     return to;
 }
 
-static void NAME(pair)(const struct particles *p, struct contact_list *pairs,
-                       const struct contact_law_constants *law_in, struct contact_losses *losses)
+/* Adds forces and moments to the sums of i and, reversed, of j, one contact after the other. Lanes of padding pairs add
+ * zeros to the padding particles. */
+LANES_INLINE void NAME(add_pair)(double *into, const int32_t *i, const int32_t *j,
+                                 const struct NAME(contact_result) * result)
+{
+#if DIM == 2 && !FRICTIONAL
+    lanes_add2(into, i, j, result->force);
+#elif DIM == 2
+    static const double sign[4] = {-1, -1, 1, 1};
+    real column[4] = {result->force[0], result->force[1], result->moment[0], real_all(0.0)};
+    lanes_add4(into, FORCE_STRIDE(2, 1), i, j, column, sign);
+#else
+    static const double opposite[4] = {-1, -1, -1, 1};
+    real force[4] = {result->force[0], result->force[1], result->force[2], real_all(0.0)};
+    lanes_add4(into, FORCE_STRIDE(3, FRICTIONAL), i, j, force, opposite);
+#if FRICTIONAL
+    static const double alike[4] = {1, 1, 1, 1};
+    real moment[4] = {result->moment[0], result->moment[1], result->moment[2], real_all(0.0)};
+    lanes_add4(into + 4, FORCE_STRIDE(3, 1), i, j, moment, alike);
+#endif
+#endif
+}
+
+static void NAME(pair)(struct particles *p, struct contact_list *pairs, const struct contact_law_constants *law_in,
+                       struct contact_losses *losses)
 {
     const struct contact_law_constants law = *law_in;
+    memset(p->force, 0, (size_t)p->count * FORCE_STRIDE(DIM, FRICTIONAL) * sizeof *p->force);
     struct NAME(sums) sums = {real_all(0.0), real_all(0.0), real_all(0.0), real_all(0.0)};
     for (int k = 0; k < pairs->count; k += LANES) {
         struct NAME(packed) i = NAME(unpack)(p, pairs->i + k), j = NAME(unpack)(p, pairs->j + k);
@@ -274,13 +298,32 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs,
         struct NAME(contact_result) result =
             NAME(contact)(&law, real_load(pairs->reach + k) - distance, n, g, w, spin, &state);
         NAME(store)(pairs, k, &state, &result);
+        NAME(add_pair)(p->force, pairs->i + k, pairs->j + k, &result);
         NAME(sums_add)(&sums, &result);
     }
     NAME(sums_close)(&sums, losses);
 }
 
+/* Adds the forces and moments of a wall's contacts to its particles, and its own force up. */
+static void NAME(add_wall)(struct particles *p, struct wall *wall)
+{
+    const struct contact_list *list = &wall->contacts;
+    double sum = 0;
+    for (int k = 0; k < list->count; k++) {
+        double *to = p->force + (size_t)list->i[k] * FORCE_STRIDE(DIM, FRICTIONAL);
+        for (int c = 0; c < DIM; c++)
+            to[c] += list->force[c][k];
+#if FRICTIONAL
+        for (int c = 0; c < SPRINGS; c++)
+            to[TORQUE_OFFSET(DIM) + c] += list->moment[c][k];
+#endif
+        sum += list->force[wall->axis][k];
+    }
+    wall->force = sum * wall->inward;
+}
+
 /* The same law against one flat wall: delta = a - distance; the wall moves along its normal and does not rotate. */
-static void NAME(wall)(const struct particles *p, struct wall *wall, const struct contact_law_constants *law_in,
+static void NAME(wall)(struct particles *p, struct wall *wall, const struct contact_law_constants *law_in,
                        struct contact_losses *losses)
 {
     struct contact_list *contacts = &wall->contacts;
@@ -309,6 +352,7 @@ static void NAME(wall)(const struct particles *p, struct wall *wall, const struc
         NAME(sums_add)(&sums, &result);
     }
     NAME(sums_close)(&sums, losses);
+    NAME(add_wall)(p, wall);
 }
 
 /* Writes LANES packed records from particle i on. */
@@ -406,37 +450,4 @@ static double NAME(kick)(struct particles *p, const struct kick_constants *const
 #endif
     }
     return real_sum(power);
-}
-
-/* Sums pair forces, then wall forces, into particles->force, one contact after the other in the order of the lists. */
-static void NAME(sum)(struct particles *p, const struct contact_list *pairs, const struct wall *walls, int n_walls)
-{
-    double *restrict into = p->force;
-    enum { STRIDE = FORCE_STRIDE(DIM, FRICTIONAL) };
-    memset(into, 0, (size_t)p->count * STRIDE * sizeof *into);
-    for (int k = 0; k < pairs->count; k++) {
-        double *to_i = into + (size_t)pairs->i[k] * STRIDE, *to_j = into + (size_t)pairs->j[k] * STRIDE;
-        for (int c = 0; c < DIM; c++) {
-            to_i[c] += pairs->force[c][k];
-            to_j[c] -= pairs->force[c][k];
-        }
-#if FRICTIONAL
-        for (int c = 0; c < SPRINGS; c++) {
-            to_i[TORQUE_OFFSET(DIM) + c] += pairs->moment[c][k];
-            to_j[TORQUE_OFFSET(DIM) + c] += pairs->moment[c][k];
-        }
-#endif
-    }
-    for (int w = 0; w < n_walls; w++) {
-        const struct contact_list *list = &walls[w].contacts;
-        for (int k = 0; k < list->count; k++) {
-            double *to = into + (size_t)list->i[k] * STRIDE;
-            for (int c = 0; c < DIM; c++)
-                to[c] += list->force[c][k];
-#if FRICTIONAL
-            for (int c = 0; c < SPRINGS; c++)
-                to[TORQUE_OFFSET(DIM) + c] += list->moment[c][k];
-#endif
-        }
-    }
 }

@@ -11,21 +11,18 @@ struct kick_constants {
     double gravity[3];        /* m/s^2, components as the particles' */
 };
 
-/* Forces and moments of all pairs; history, springs and sliding change. Adds the energy lost. */
-typedef void pair_kernel(const struct particles *particles, struct contact_list *pairs,
+/* Forces and moments of all pairs, and their sums in particles->force, which starts from zero; history, springs and
+ * sliding change. Adds the energy lost. */
+typedef void pair_kernel(struct particles *particles, struct contact_list *pairs,
                          const struct contact_law_constants *law, struct contact_losses *losses);
 
-/* The same for the contacts of one wall. */
-typedef void wall_kernel(const struct particles *particles, struct wall *wall, const struct contact_law_constants *law,
+/* The same for the contacts of one wall, added to particles->force; sets wall->force. */
+typedef void wall_kernel(struct particles *particles, struct wall *wall, const struct contact_law_constants *law,
                          struct contact_losses *losses);
 
 /* Positions of the next step and velocities predicted for it; packs the records. True if a particle is further than
  * reach_m from where the lists were built, or not finite. dt_s = 0 only packs. */
 typedef bool drift_kernel(struct particles *particles, double dt_s, double reach_m);
-
-/* particles->force from the forces and moments of pairs and walls. */
-typedef void sum_kernel(struct particles *particles, const struct contact_list *pairs, const struct wall *walls,
-                        int n_walls);
 
 /* Accelerations and corrected velocities; returns the power that background damping takes [W]. */
 typedef double kick_kernel(struct particles *particles, const struct kick_constants *constants);
@@ -34,7 +31,6 @@ struct kernels {
     pair_kernel *pair;
     wall_kernel *wall;
     drift_kernel *drift;
-    sum_kernel *sum;
     kick_kernel *kick;
 };
 

@@ -104,6 +104,31 @@ LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
     lanes_transpose4(_mm256_loadu_pd(from), _mm256_loadu_pd(from + stride), _mm256_loadu_pd(from + 2 * stride),
                      _mm256_loadu_pd(from + 3 * stride), column);
 }
+LANES_INLINE void lanes_add_row2(double *into, int32_t i, int32_t j, __m128d row)
+{
+    double *to_i = into + 2 * (size_t)i, *to_j = into + 2 * (size_t)j;
+    _mm_storeu_pd(to_i, _mm_add_pd(_mm_loadu_pd(to_i), row));
+    _mm_storeu_pd(to_j, _mm_sub_pd(_mm_loadu_pd(to_j), row));
+}
+LANES_INLINE void lanes_add2(double *into, const int32_t *i, const int32_t *j, const real *column)
+{
+    __m256d even = _mm256_unpacklo_pd(column[0], column[1]), odd = _mm256_unpackhi_pd(column[0], column[1]);
+    lanes_add_row2(into, i[0], j[0], _mm256_castpd256_pd128(even));
+    lanes_add_row2(into, i[1], j[1], _mm256_castpd256_pd128(odd));
+    lanes_add_row2(into, i[2], j[2], _mm256_extractf128_pd(even, 1));
+    lanes_add_row2(into, i[3], j[3], _mm256_extractf128_pd(odd, 1));
+}
+LANES_INLINE void lanes_add4(double *into, int stride, const int32_t *i, const int32_t *j, const real *column,
+                             const double *sign)
+{
+    real row[4], signs = _mm256_loadu_pd(sign);
+    lanes_transpose4(column[0], column[1], column[2], column[3], row);
+    for (int r = 0; r < LANES; r++) {
+        double *to_i = into + stride * (size_t)i[r], *to_j = into + stride * (size_t)j[r];
+        _mm256_storeu_pd(to_i, _mm256_loadu_pd(to_i) + row[r]);
+        _mm256_storeu_pd(to_j, _mm256_loadu_pd(to_j) + signs * row[r]);
+    }
+}
 LANES_INLINE double real_sum(real x)
 {
     double lane[LANES];

@@ -99,6 +99,17 @@ LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
                      lanes_two(from + 4 * stride, from + 6 * stride), lanes_two(from + 5 * stride, from + 7 * stride),
                      column);
 }
+/* The inverse: rows 0 and 2, 1 and 3, 4 and 6, 5 and 7 in one register each. */
+LANES_INLINE void lanes_rows4(const real *column, __m512d *rows)
+{
+    const __m512i front = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0), back = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
+    __m512d even01 = _mm512_unpacklo_pd(column[0], column[1]), odd01 = _mm512_unpackhi_pd(column[0], column[1]);
+    __m512d even23 = _mm512_unpacklo_pd(column[2], column[3]), odd23 = _mm512_unpackhi_pd(column[2], column[3]);
+    rows[0] = _mm512_permutex2var_pd(even01, front, even23);
+    rows[1] = _mm512_permutex2var_pd(odd01, front, odd23);
+    rows[2] = _mm512_permutex2var_pd(even01, back, even23);
+    rows[3] = _mm512_permutex2var_pd(odd01, back, odd23);
+}
 LANES_INLINE void lanes_store_two(double *low, double *high, __m512d rows)
 {
     _mm256_storeu_pd(low, _mm512_castpd512_pd256(rows));
@@ -106,13 +117,48 @@ LANES_INLINE void lanes_store_two(double *low, double *high, __m512d rows)
 }
 LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
 {
-    const __m512i front = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0), back = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
-    __m512d even01 = _mm512_unpacklo_pd(column[0], column[1]), odd01 = _mm512_unpackhi_pd(column[0], column[1]);
-    __m512d even23 = _mm512_unpacklo_pd(column[2], column[3]), odd23 = _mm512_unpackhi_pd(column[2], column[3]);
-    lanes_store_two(to, to + 2 * stride, _mm512_permutex2var_pd(even01, front, even23));
-    lanes_store_two(to + stride, to + 3 * stride, _mm512_permutex2var_pd(odd01, front, odd23));
-    lanes_store_two(to + 4 * stride, to + 6 * stride, _mm512_permutex2var_pd(even01, back, even23));
-    lanes_store_two(to + 5 * stride, to + 7 * stride, _mm512_permutex2var_pd(odd01, back, odd23));
+    __m512d rows[4];
+    lanes_rows4(column, rows);
+    lanes_store_two(to, to + 2 * stride, rows[0]);
+    lanes_store_two(to + stride, to + 3 * stride, rows[1]);
+    lanes_store_two(to + 4 * stride, to + 6 * stride, rows[2]);
+    lanes_store_two(to + 5 * stride, to + 7 * stride, rows[3]);
+}
+LANES_INLINE void lanes_add_row2(double *into, int32_t i, int32_t j, __m128d row)
+{
+    double *to_i = into + 2 * (size_t)i, *to_j = into + 2 * (size_t)j;
+    _mm_storeu_pd(to_i, _mm_add_pd(_mm_loadu_pd(to_i), row));
+    _mm_storeu_pd(to_j, _mm_sub_pd(_mm_loadu_pd(to_j), row));
+}
+LANES_INLINE void lanes_add2(double *into, const int32_t *i, const int32_t *j, const real *column)
+{
+    __m512d even = _mm512_unpacklo_pd(column[0], column[1]), odd = _mm512_unpackhi_pd(column[0], column[1]);
+    lanes_add_row2(into, i[0], j[0], _mm512_extractf64x2_pd(even, 0));
+    lanes_add_row2(into, i[1], j[1], _mm512_extractf64x2_pd(odd, 0));
+    lanes_add_row2(into, i[2], j[2], _mm512_extractf64x2_pd(even, 1));
+    lanes_add_row2(into, i[3], j[3], _mm512_extractf64x2_pd(odd, 1));
+    lanes_add_row2(into, i[4], j[4], _mm512_extractf64x2_pd(even, 2));
+    lanes_add_row2(into, i[5], j[5], _mm512_extractf64x2_pd(odd, 2));
+    lanes_add_row2(into, i[6], j[6], _mm512_extractf64x2_pd(even, 3));
+    lanes_add_row2(into, i[7], j[7], _mm512_extractf64x2_pd(odd, 3));
+}
+LANES_INLINE void lanes_add_row4(double *to_i, double *to_j, __m256d row, __m256d sign)
+{
+    _mm256_storeu_pd(to_i, _mm256_loadu_pd(to_i) + row);
+    _mm256_storeu_pd(to_j, _mm256_loadu_pd(to_j) + sign * row);
+}
+LANES_INLINE void lanes_add4(double *into, int stride, const int32_t *i, const int32_t *j, const real *column,
+                             const double *sign)
+{
+    static const int register_of[LANES] = {0, 1, 0, 1, 2, 3, 2, 3};
+    __m512d rows[4];
+    __m256d signs = _mm256_loadu_pd(sign);
+    lanes_rows4(column, rows);
+    for (int r = 0; r < LANES; r++) {
+        __m512d both = rows[register_of[r]];
+        __m256d row = r & 2 ? _mm512_extractf64x4_pd(both, 1) : _mm512_castpd512_pd256(both);
+        lanes_add_row4(into + stride * (size_t)i[r], into + stride * (size_t)j[r], row, signs);
+    }
 }
 LANES_INLINE void lanes_load2(const double *from, real *column)
 {

@@ -97,6 +97,24 @@ LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
     for (int c = 0; c < 4; c++)
         column[c] = from[c];
 }
+/* Adds the records (column[0], column[1]) to those at i of `into` and subtracts them from those at j, in the order of
+ * the lanes. */
+LANES_INLINE void lanes_add2(double *into, const int32_t *i, const int32_t *j, const real *column)
+{
+    for (int c = 0; c < 2; c++)
+        into[2 * (size_t)i[0] + (size_t)c] += column[c];
+    for (int c = 0; c < 2; c++)
+        into[2 * (size_t)j[0] + (size_t)c] -= column[c];
+}
+/* The same for records of 4 with `stride` doubles between them; sign[c] (1 or -1) is how column c counts at j. */
+LANES_INLINE void lanes_add4(double *into, int stride, const int32_t *i, const int32_t *j, const real *column,
+                             const double *sign)
+{
+    for (int c = 0; c < 4; c++)
+        into[stride * (size_t)i[0] + (size_t)c] += column[c];
+    for (int c = 0; c < 4; c++)
+        into[stride * (size_t)j[0] + (size_t)c] += sign[c] * column[c];
+}
 LANES_INLINE double real_sum(real x)
 {
     return x;

@@ -27,7 +27,10 @@ enum status neighbor_init(struct neighbor *nb, const struct particles *p, double
     list_model(&nb->spare_wall, p, hysteretic);
     size_t count = (size_t)p->count;
     TRY(array_resize(&nb->cell_of, sizeof(int32_t), count, 0));
-    return array_resize(&nb->by_cell, sizeof(int32_t), count, 0);
+    TRY(array_resize(&nb->by_cell, sizeof(int32_t), count, 0));
+    for (int c = 0; c < p->dimension; c++)
+        TRY(array_resize(&nb->sorted_x[c], sizeof(double), count, 0));
+    return array_resize(&nb->sorted_radius, sizeof(double), count, 0);
 }
 
 void neighbor_free(struct neighbor *nb)
@@ -35,6 +38,9 @@ void neighbor_free(struct neighbor *nb)
     free(nb->cell_of);
     free(nb->cell_first);
     free(nb->by_cell);
+    free(nb->sorted_radius);
+    for (int c = 0; c < 3; c++)
+        free(nb->sorted_x[c]);
     contact_list_free(&nb->spare_pairs);
     contact_list_free(&nb->spare_wall);
     memset(nb, 0, sizeof *nb);
@@ -44,7 +50,7 @@ static double largest_radius(const struct particles *p)
 {
     double largest = 0;
     for (int i = 0; i < p->count; i++)
-        largest = fmax(largest, p->radius[i]);
+        largest = p->radius[i] > largest ? p->radius[i] : largest;
     return largest;
 }
 
@@ -59,8 +65,8 @@ static void cells_of(struct cells *cells, const struct particles *p, double reac
             continue;
         double lo = p->x[c][0], hi = lo;
         for (int i = 1; i < p->count; i++) {
-            lo = fmin(lo, p->x[c][i]);
-            hi = fmax(hi, p->x[c][i]);
+            lo = p->x[c][i] < lo ? p->x[c][i] : lo;
+            hi = p->x[c][i] > hi ? p->x[c][i] : hi;
         }
         /* never more cells along one axis than particles: a few far apart must not ask for a huge grid */
         double n = fmin(floor((hi - lo) / reach), p->count);
@@ -97,6 +103,11 @@ static enum status sort_by_cell(struct neighbor *nb, const struct particles *p, 
         nb->cell_first[k + 2] += nb->cell_first[k + 1];
     for (int i = 0; i < p->count; i++)
         nb->by_cell[nb->cell_first[nb->cell_of[i] + 1]++] = i;
+    for (int m = 0; m < p->count; m++) {
+        nb->sorted_radius[m] = p->radius[nb->by_cell[m]];
+        for (int c = 0; c < p->dimension; c++)
+            nb->sorted_x[c][m] = p->x[c][nb->by_cell[m]];
+    }
     return STATUS_OK;
 }
 
@@ -120,14 +131,27 @@ static void clear_history(struct contact_list *to, int t)
         to->spring[c][t] = 0;
 }
 
-static bool within_reach(const struct particles *p, int i, int j, double skin)
+/* Appends the neighbours j > i among members first ... last - 1 of by_cell to `list`, which has room for all of them.
+ * No branch in the loop: what to keep cannot be predicted. */
+static void collect_row(const struct neighbor *nb, const struct particles *p, int i, int first, int last,
+                        struct contact_list *list)
 {
-    double d2 = 0, reach = p->radius[i] + p->radius[j] + skin;
-    for (int c = 0; c < p->dimension; c++) {
-        double d = p->x[c][i] - p->x[c][j];
-        d2 += d * d;
+    const int32_t *by_cell = nb->by_cell;
+    const double *radius = nb->sorted_radius, limit = p->radius[i] + nb->skin;
+    const int dimension = p->dimension;
+    int count = list->count;
+    for (int m = first; m < last; m++) {
+        double d0 = nb->sorted_x[0][m] - p->x[0][i], d1 = nb->sorted_x[1][m] - p->x[1][i];
+        double d2 = d0 * d0 + d1 * d1, reach = limit + radius[m];
+        if (dimension == 3) {
+            double d = nb->sorted_x[2][m] - p->x[2][i];
+            d2 += d * d;
+        }
+        list->i[count] = i;
+        list->j[count] = by_cell[m];
+        count += (by_cell[m] > i) & (d2 < reach * reach);
     }
-    return d2 < reach * reach;
+    list->count = count;
 }
 
 /* Appends the neighbours j > i in reach to `list`, unsorted. */
@@ -144,16 +168,10 @@ static enum status collect(struct neighbor *nb, const struct particles *p, const
     for (int k2 = from[2]; k2 <= to[2]; k2++)
         for (int k1 = from[1]; k1 <= to[1]; k1++) {
             int row = (k2 * cells->n[1] + k1) * cells->n[0];
-            int last = nb->cell_first[row + to[0] + 1];
-            for (int m = nb->cell_first[row + from[0]]; m < last; m++) {
-                int j = nb->by_cell[m];
-                if (j <= i || !within_reach(p, i, j, nb->skin))
-                    continue;
-                if (list->count == list->capacity)
-                    TRY(contact_list_reserve(list, 2 * list->capacity + 64, p->dimension));
-                list->i[list->count] = i;
-                list->j[list->count++] = j;
-            }
+            int first = nb->cell_first[row + from[0]], last = nb->cell_first[row + to[0] + 1];
+            if (list->count + (last - first) > list->capacity)
+                TRY(contact_list_reserve(list, 2 * list->capacity + (last - first) + 64, p->dimension));
+            collect_row(nb, p, i, first, last, list);
         }
     return STATUS_OK;
 }

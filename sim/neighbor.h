@@ -15,6 +15,8 @@ struct neighbor {
     int32_t *cell_of;    /* [count] */
     int32_t *cell_first; /* [cells + 1] range in by_cell */
     int32_t *by_cell;    /* [count] particles sorted by cell */
+    double *sorted_x[3]; /* positions and radii in the order of by_cell */
+    double *sorted_radius;
     int cell_capacity;
     struct contact_list spare_pairs, spare_wall; /* the lists under construction */
 };

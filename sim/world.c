@@ -183,7 +183,7 @@ void world_wall_state(const struct world *world, struct wall_state *state)
     for (int w = 0; w < world->n_walls; w++) {
         const struct wall *wall = &world->walls[w];
         state->position_m[w] = wall->x;
-        state->velocity_m_per_s[w] = state->interval_s > 0 ? (wall->x - path->x0[w]) / state->interval_s : 0;
+        state->velocity_m_per_s[w] = path->v0[w] + 0.5 * state->interval_s * path->a0[w];
         state->force_n[w] = wall->force;
         state->stage_position_m[w] = world->stage_position_m[w];
     }
