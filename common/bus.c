@@ -7,7 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 #define DEFAULT_URL      "udpm://239.255.76.67:7667?ttl=0"
 #define RECV_BUF_SIZE    "recv_buf_size=4194304"
@@ -54,7 +56,7 @@ static enum status url_complete(const char *url, char full[URL_MAX])
     return length < URL_MAX ? STATUS_OK : status_fail(STATUS_USAGE, "the LCM URL is longer than %d bytes", URL_MAX - 1);
 }
 
-static enum status log_create(struct bus *bus, const char *url)
+static enum status log_create(struct bus *bus, const char *url, const char *mode)
 {
     char path[URL_MAX];
     struct timespec now;
@@ -62,7 +64,7 @@ static enum status log_create(struct bus *bus, const char *url)
     char *options = strchr(path, '?');
     if (options)
         *options = '\0';
-    bus->log = lcm_eventlog_create(path, "w");
+    bus->log = lcm_eventlog_create(path, mode);
     if (!bus->log)
         return status_fail(STATUS_IO, "cannot write the event log \"%s\": %s", path, strerror(errno));
     clock_gettime(CLOCK_REALTIME, &now); /* cannot fail with this clock */
@@ -99,6 +101,13 @@ static enum status open_failure(const char *url)
     return status_fail(STATUS_BUS, "cannot open the LCM bus \"%s\": not a URL that LCM knows", url);
 }
 
+/* "w", "a", or NULL for a log that is read; url_complete saw to the question mark. */
+static const char *log_write_mode(const char *url)
+{
+    const char *options = strchr(url, '?');
+    return strstr(options, "mode=w") ? "w" : strstr(options, "mode=a") ? "a" : NULL;
+}
+
 enum status bus_open(struct bus *bus, const char *url)
 {
     char full[URL_MAX];
@@ -106,8 +115,9 @@ enum status bus_open(struct bus *bus, const char *url)
     memset(bus, 0, sizeof *bus);
     TRY(url_complete(url_resolve(url), full));
     bus->is_log = starts_with(full, LOG_SCHEME);
-    if (bus->is_log && strstr(strchr(full, '?'), "mode=w")) { /* url_complete saw to the question mark */
-        enum status status = log_create(bus, full);
+    const char *mode = bus->is_log ? log_write_mode(full) : NULL;
+    if (mode) {
+        enum status status = log_create(bus, full, mode);
         if (status != STATUS_OK)
             bus_close(bus);
         return status;
@@ -132,6 +142,32 @@ enum status bus_flush(struct bus *bus)
 {
     if (bus->log && (fflush(bus->log->f) != 0 || ferror(bus->log->f)))
         return status_fail(STATUS_IO, "cannot write the event log: %s", strerror(errno));
+    return STATUS_OK;
+}
+
+enum status bus_log_sync(struct bus *bus, int64_t *size)
+{
+    struct stat file;
+    *size = 0;
+    if (!bus->log)
+        return STATUS_OK;
+    TRY(bus_flush(bus));
+    /* EINVAL: a file that cannot be synchronised, such as a pipe */
+    if ((fsync(fileno(bus->log->f)) != 0 && errno != EINVAL) || fstat(fileno(bus->log->f), &file) != 0)
+        return status_fail(STATUS_IO, "cannot bring the event log to disk: %s", strerror(errno));
+    *size = (int64_t)file.st_size;
+    return STATUS_OK;
+}
+
+enum status bus_log_cut(struct bus *bus, int64_t size)
+{
+    int64_t present;
+    TRY(bus_log_sync(bus, &present));
+    if (!bus->log || present < size)
+        return status_fail(STATUS_FORMAT, "the event log holds %lld bytes of the %lld that are to be gone on from",
+                           (long long)present, (long long)size);
+    if (ftruncate(fileno(bus->log->f), (off_t)size) != 0 || fseeko(bus->log->f, 0, SEEK_END) != 0)
+        return status_fail(STATUS_IO, "cannot cut the event log: %s", strerror(errno));
     return STATUS_OK;
 }
 

@@ -18,6 +18,7 @@
     X(SAMPLE)                                                                                                          \
     X(FRAME_PARTICLES)                                                                                                 \
     X(FRAME_CONTACTS)                                                                                                  \
+    X(CHECKPOINT)                                                                                                      \
     X(END)
 
 enum record_channel {
@@ -46,7 +47,7 @@ struct bus {
 
 /* Opens `url`; NULL or "" means $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0. A udpm URL without
  * recv_buf_size gets recv_buf_size=4194304 appended.
- * A file:// URL reads the log as fast as possible (speed=0 is appended), or writes it with ?mode=w. STATUS_BUS with the
+ * A file:// URL reads the log as fast as possible (speed=0 is appended), writes it with ?mode=w, or goes on with ?mode=a. STATUS_BUS with the
  * likely cause (no multicast route) on failure. */
 enum status bus_open(struct bus *bus, const char *url) MUST_USE;
 void bus_close(struct bus *bus);
@@ -54,6 +55,12 @@ void bus_close(struct bus *bus);
 /* Writes what a log that is written still buffers, so that a full disk is noticed; does nothing on a network.
  * STATUS_IO if the disk does not take it. */
 enum status bus_flush(struct bus *bus) MUST_USE;
+
+/* The same, fsync included; *size becomes the length of the log [bytes], 0 on a network. */
+enum status bus_log_sync(struct bus *bus, int64_t *size) MUST_USE;
+
+/* Cuts a log that was opened with ?mode=a to `size` bytes; STATUS_FORMAT if it is shorter. */
+enum status bus_log_cut(struct bus *bus, int64_t size) MUST_USE;
 
 /* Raw subscription to the channel of exactly this name, queue capacity raised so that nothing is dropped in normal use.
  */

@@ -149,6 +149,12 @@ void record_stream_free(struct record_stream *stream)
     free(stream);
 }
 
+void record_stream_resume(struct record_stream *stream, const int64_t total[RECORD_CHANNELS])
+{
+    memcpy(stream->total, total, sizeof stream->total);
+    memcpy(stream->acked, total, sizeof stream->acked);
+}
+
 int64_t record_stream_next_seq(const struct record_stream *stream, enum record_channel channel)
 {
     return stream->total[channel];

@@ -12,6 +12,9 @@ enum status record_stream_create(struct record_stream **stream, struct bus *bus,
                                  double timeout_s) MUST_USE;
 void record_stream_free(struct record_stream *stream);
 
+/* Goes on after `total` [RECORD_CHANNELS] records, all of them acknowledged; before the first record. */
+void record_stream_resume(struct record_stream *stream, const int64_t total[RECORD_CHANNELS]);
+
 /* The seq the next record on this channel must carry. */
 int64_t record_stream_next_seq(const struct record_stream *stream, enum record_channel channel);
 

@@ -116,6 +116,38 @@ static enum status write_failed(void)
     return status_fail(STATUS_IO, "cannot write run.lcm: %s", strerror(errno));
 }
 
+/* Finds where the event that `is_last` ends. */
+static enum status find_end(const char *path, bool (*is_last)(const struct event *event, const void *user),
+                            const void *user, off_t *end)
+{
+    struct event_reader reader;
+    struct event event;
+    bool found = true, last = false;
+    enum status status = event_reader_open(&reader, path);
+    while (status == STATUS_OK && found && !last) {
+        status = event_reader_next(&reader, &event, &found);
+        last = status == STATUS_OK && found && is_last(&event, user);
+    }
+    *end = last ? ftello(reader.file) : -1;
+    event_reader_close(&reader);
+    if (status == STATUS_OK && *end < 0)
+        status = status_fail(STATUS_IO, "%s does not reach to the checkpoint", path);
+    return status;
+}
+
+enum status event_writer_resume(struct event_writer **result, const char *path,
+                                bool (*is_last)(const struct event *event, const void *user), const void *user)
+{
+    off_t end;
+    struct event_writer *writer = *result = calloc(1, sizeof *writer);
+    if (!writer)
+        return status_fail(STATUS_NO_MEMORY, "no memory for the event log");
+    TRY(find_end(path, is_last, user, &end));
+    if (truncate(path, end) == 0)
+        writer->log = lcm_eventlog_create(path, "a");
+    return writer->log ? STATUS_OK : status_fail(STATUS_IO, "cannot go on with %s: %s", path, strerror(errno));
+}
+
 enum status event_writer_add(struct event_writer *writer, const char *channel, const void *data, size_t size)
 {
     struct timespec now;
@@ -133,6 +165,12 @@ enum status event_writer_add(struct event_writer *writer, const char *channel, c
 enum status event_writer_flush(struct event_writer *writer)
 {
     return fflush(writer->log->f) == 0 && !ferror(writer->log->f) ? STATUS_OK : write_failed();
+}
+
+enum status event_writer_sync(struct event_writer *writer)
+{
+    TRY(event_writer_flush(writer));
+    return fsync(fileno(writer->log->f)) == 0 ? STATUS_OK : write_failed();
 }
 
 enum status event_writer_close(struct event_writer *writer)

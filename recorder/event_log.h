@@ -35,8 +35,14 @@ enum status event_reader_next(struct event_reader *reader, struct event *event, 
 
 /* Creates `path`; STATUS_IO if it exists. */
 enum status event_writer_create(struct event_writer **writer, const char *path) MUST_USE;
+/* Opens `path` to go on after the first event for which `is_last` says so; those behind are dropped. STATUS_IO if there
+ * is none. */
+enum status event_writer_resume(struct event_writer **writer, const char *path,
+                                bool (*is_last)(const struct event *event, const void *user),
+                                const void *user) MUST_USE;
 enum status event_writer_add(struct event_writer *writer, const char *channel, const void *data, size_t size) MUST_USE;
 enum status event_writer_flush(struct event_writer *writer) MUST_USE;
+enum status event_writer_sync(struct event_writer *writer) MUST_USE; /* and on disk */
 
 /* Flushes and closes; frees the writer also on failure. NULL is nothing. */
 enum status event_writer_close(struct event_writer *writer) MUST_USE;

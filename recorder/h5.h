@@ -31,6 +31,12 @@ struct h5_layout {
 enum status h5_file_create(const char *path, hid_t *file) MUST_USE;
 enum status h5_file_flush(hid_t file) MUST_USE;
 
+/* Opens `path` to go on writing, in the same way. */
+enum status h5_file_open(const char *path, hid_t *file) MUST_USE;
+
+/* Flush, and the file on disk. */
+enum status h5_file_sync(hid_t file) MUST_USE;
+
 /* Closes the file. Everything opened in it must be closed. After a failed write better leave it open: closing would
  * write metadata that do not fit the data, and the file would be unreadable, where now it is as the last flush left it.
  */
@@ -47,6 +53,16 @@ enum status h5_link(hid_t file, const char *target, const char *name) MUST_USE;
 enum status h5_series_create(hid_t file, const char *path, hid_t type, int rank, const hsize_t *row_dims,
                              const struct h5_layout *layout, const char *unit, struct h5_series *series) MUST_USE;
 
+/* Opens a series that h5_series_create made. STATUS_FORMAT if it has another shape or type. */
+enum status h5_series_open(hid_t file, const char *path, hid_t type, int rank, const hsize_t *row_dims,
+                           struct h5_series *series) MUST_USE;
+
+/* Goes on after the first `rows` rows; those behind are dropped. STATUS_FORMAT if there are fewer. */
+enum status h5_series_cut(struct h5_series *series, hsize_t rows) MUST_USE;
+
+/* Reads rows [first, first + rows) into `data`. */
+enum status h5_series_read(const struct h5_series *series, hsize_t first, hsize_t rows, void *data) MUST_USE;
+
 /* Appends `rows` rows from `data` [rows][row_dims...]. */
 enum status h5_series_append(struct h5_series *series, hsize_t rows, const void *data) MUST_USE;
 enum status h5_series_close(struct h5_series *series) MUST_USE;
@@ -54,6 +70,9 @@ enum status h5_series_close(struct h5_series *series) MUST_USE;
 /* Writes a dataset of fixed shape [n]. */
 enum status h5_vector_write(hid_t file, const char *path, hid_t type, hsize_t n, const void *data,
                             const char *unit) MUST_USE;
+
+/* Reads a number that h5_attribute_numbers wrote; STATUS_FORMAT if there is none. */
+enum status h5_attribute_read(hid_t file, const char *path, const char *name, hid_t type, void *value) MUST_USE;
 
 /* Creates or overwrites an attribute of the object at `path`: [n] numbers (n = 0: a scalar), a text, [n] texts.
  * Texts are of fixed length, ended by a zero, UTF-8. */

@@ -11,6 +11,7 @@
 static const char USAGE[] =
     "usage: recorder --run-id N --out DIR [--lcm URL] [--timeout SECONDS]   records a run from the bus\n"
     "       recorder --from run.lcm --out DIR                               converts an LCM event log\n"
+    "  --resume  goes on with DIR/run.h5 of a run that goes on from a checkpoint\n"
     "Writes DIR/run.h5 (H5MD 1.1) and DIR/run.xdmf, and DIR/run.lcm if the scene says record.event_log.\n"
     "Ends when the run is complete, on SIGINT or SIGTERM (10 s of patience for END, none after a second signal), or\n"
     "after SECONDS (default 60) without a message of the run. Exit code 0: complete; 9: messages are missing.\n";
@@ -18,6 +19,7 @@ static const char USAGE[] =
 struct arguments {
     struct command_line line;
     const char *out, *from, *timeout;
+    bool resume;
     double timeout_s;
 };
 
@@ -39,6 +41,7 @@ static enum status arguments_read(struct arguments *arguments, int argc, char **
     const struct command_line_option own[] = {{"out", &arguments->out, NULL},
                                               {"from", &arguments->from, NULL},
                                               {"timeout", &arguments->timeout, NULL},
+                                              {"resume", NULL, &arguments->resume},
                                               {NULL, NULL, NULL}};
     struct command_line *line = &arguments->line;
     TRY(command_line_parse(line, argc, argv, own));
@@ -50,6 +53,8 @@ static enum status arguments_read(struct arguments *arguments, int argc, char **
         return status_fail(STATUS_USAGE, "--out DIR is missing (see --help)");
     if (!arguments->from && !line->run_id_given)
         return status_fail(STATUS_USAGE, "--run-id N or --from LOG is missing (see --help)");
+    if (arguments->resume && arguments->from)
+        return status_fail(STATUS_USAGE, "--resume is for the bus: a log that was gone on with is converted as a whole");
     return timeout_read(arguments);
 }
 
@@ -71,7 +76,8 @@ static enum status record(const struct arguments *arguments)
     const struct recording_options options = {.directory = arguments->out,
                                               .any_run = !arguments->line.run_id_given,
                                               .run_id = arguments->line.run_id,
-                                              .from_log = arguments->from != NULL};
+                                              .from_log = arguments->from != NULL,
+                                              .resume = arguments->resume};
     struct recording *recording;
     enum status status = recording_create(&recording, &options);
     if (status == STATUS_OK)

@@ -27,11 +27,21 @@ static bool range_ok(int first, int count)
     return first >= 0 && count >= 0 && first <= INT_MAX - count;
 }
 
+static bool totals_ok(const int64_t *total, int n)
+{
+    for (int c = 0; c < n; c++) {
+        if (total[c] < 0)
+            return false;
+    }
+    return true;
+}
+
 static bool check_run_info(const union message *message)
 {
     const shakedown_run_info_t *info = &message->run_info;
     return dimension_ok(info->dimension) && info->n_particles > 0 && info->n_particles <= PARTICLES_MAX &&
-           info->n_stages >= 0;
+           info->n_stages >= 0 && (info->n_resumed == 0 || info->n_resumed == RECORD_CHANNELS) &&
+           info->resumed_frames >= 0 && info->resumed_wall_states >= 0 && totals_ok(info->resumed_total, info->n_resumed);
 }
 
 static bool check_particles(const union message *message)
@@ -67,6 +77,13 @@ static bool check_frame_contacts(const union message *message)
            (frame->n_sliding == 0 || frame->n_sliding == frame->count);
 }
 
+static bool check_checkpoint(const union message *message)
+{
+    const shakedown_checkpoint_t *checkpoint = &message->checkpoint;
+    return checkpoint->n_channels == RECORD_CHANNELS && totals_ok(checkpoint->total, checkpoint->n_channels) &&
+           checkpoint->n_frames >= 0 && checkpoint->wall_states >= 0;
+}
+
 static bool check_end(const union message *message)
 {
     const shakedown_end_t *end = &message->end;
@@ -97,6 +114,7 @@ static bool check_wall_command(const union message *message)
     X(RECORD_SAMPLE, sample, SAMPLE_T)                                                                                 \
     X(RECORD_FRAME_PARTICLES, frame_particles, FRAME_PARTICLES_T)                                                      \
     X(RECORD_FRAME_CONTACTS, frame_contacts, FRAME_CONTACTS_T)                                                         \
+    X(RECORD_CHECKPOINT, checkpoint, CHECKPOINT_T)                                                                     \
     X(RECORD_END, end, END_T)                                                                                          \
     X(MESSAGE_WALL_STATE, wall_state, WALL_STATE_T)                                                                    \
     X(MESSAGE_WALL_COMMAND, wall_command, WALL_COMMAND_T)

@@ -2,6 +2,7 @@
 #ifndef SHAKEDOWN_RECORDER_MESSAGES_H
 #define SHAKEDOWN_RECORDER_MESSAGES_H
 
+#include <shakedown_checkpoint_t.h>
 #include <shakedown_end_t.h>
 #include <shakedown_frame_contacts_t.h>
 #include <shakedown_frame_particles_t.h>
@@ -27,6 +28,7 @@ union message {
     shakedown_sample_t sample;
     shakedown_frame_particles_t frame_particles;
     shakedown_frame_contacts_t frame_contacts;
+    shakedown_checkpoint_t checkpoint;
     shakedown_end_t end;
     shakedown_wall_state_t wall_state;
     shakedown_wall_command_t wall_command;

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/message.h"
 #include "common/scene.h"
 #include "recorder/backlog.h"
 #include "recorder/event_log.h"
@@ -19,7 +20,7 @@ struct recording {
     char path[PATH_MAX]; /* run.h5 */
     char log_path[PATH_MAX];
     char xdmf_path[PATH_MAX];
-    bool any_run, from_log;
+    bool any_run, from_log, resume;
     int64_t run_id;
 
     bool has_run;
@@ -83,10 +84,13 @@ enum status recording_create(struct recording **result, const struct recording_o
     recording->any_run = options->any_run;
     recording->run_id = options->run_id;
     recording->from_log = options->from_log;
+    recording->resume = options->resume;
     TRY(make_path(recording->path, options->directory, "run.h5"));
     TRY(make_path(recording->log_path, options->directory, "run.lcm"));
     TRY(make_path(recording->xdmf_path, options->directory, "run.xdmf"));
     TRY(directory_make(options->directory));
+    if (options->resume)
+        return STATUS_OK;
     TRY(refuse_existing(recording->path));
     return options->from_log ? STATUS_OK : refuse_existing(recording->log_path);
 }
@@ -158,6 +162,59 @@ static enum status record_settings_read(const shakedown_run_info_t *info, struct
     return status == STATUS_CONFIG ? STATUS_FORMAT : status;
 }
 
+/* The CHECKPOINT that a run goes on from, in an event log. */
+static bool is_checkpoint(const struct event *event, const void *user)
+{
+    const shakedown_run_info_t *info = user;
+    struct message_header header;
+    return strcmp(event->channel, record_channel_name[RECORD_CHECKPOINT]) == 0 &&
+           message_header_read(event->data, event->size, &header) && header.run_id == info->run_id &&
+           header.step == info->step && header.seq == info->resumed_total[RECORD_CHECKPOINT] - 1;
+}
+
+/* Times and numbers of what the file holds already. */
+static enum status take_over(struct recording *recording, const shakedown_run_info_t *info,
+                             const struct run_counts *counts)
+{
+    int64_t last_step[2];
+    memcpy(recording->next_seq, info->resumed_total, sizeof recording->next_seq);
+    recording->next_seq[RECORD_RUN_INFO] = recording->next_seq[RECORD_PARTICLES] = 0;
+    recording->particle_frame.place.frame = recording->contact_frame.place.frame = (int)info->resumed_frames;
+    recording->wall_total[0] = counts->wall_states;
+    recording->wall_total[1] = counts->wall_commands;
+    TRY(run_writer_wall_steps(recording->writer, last_step));
+    for (int k = 0; k < 2; k++)
+        recording->next_wall_step[k] = last_step[k] + 1;
+    double *time_s = malloc((size_t)(counts->frames + 1) * sizeof *time_s);
+    if (!time_s)
+        return status_fail(STATUS_NO_MEMORY, "no memory for %" PRId64 " frames", counts->frames);
+    enum status status = run_writer_frame_times(recording->writer, time_s);
+    for (int64_t k = 0; status == STATUS_OK && k < counts->frames; k++)
+        status = xdmf_frame_add(&recording->xdmf, time_s[k]);
+    free(time_s);
+    return status;
+}
+
+static enum status resume_files(struct recording *recording, const shakedown_run_info_t *info, bool event_log)
+{
+    struct run_counts counts;
+    if (!recording->resume)
+        return status_fail(STATUS_IO, "the run goes on from a checkpoint: the recorder needs --resume");
+    TRY(run_writer_resume(&recording->writer, recording->path, info, recording->wants_walls, &counts));
+    TRY(take_over(recording, info, &counts));
+    if (event_log)
+        TRY(event_writer_resume(&recording->log, recording->log_path, is_checkpoint, info));
+    return STATUS_OK;
+}
+
+static enum status create_files(struct recording *recording, const shakedown_run_info_t *info, bool event_log)
+{
+    TRY(run_writer_create(&recording->writer, recording->path, info, recording->wants_walls));
+    if (event_log)
+        TRY(event_writer_create(&recording->log, recording->log_path));
+    return STATUS_OK;
+}
+
 static enum status take_run_info(struct recording *recording, const shakedown_run_info_t *info)
 {
     struct scene_record record = {0};
@@ -170,9 +227,8 @@ static enum status take_run_info(struct recording *recording, const shakedown_ru
     recording->wants_walls = record.walls == RECORD_WALLS_FULL;
     TRY(particle_set_init(&recording->particles, &recording->facts));
     TRY(particle_frame_init(&recording->particle_frame, &recording->facts));
-    TRY(run_writer_create(&recording->writer, recording->path, info, recording->wants_walls));
-    if (record.event_log && !recording->from_log)
-        TRY(event_writer_create(&recording->log, recording->log_path));
+    bool event_log = record.event_log && !recording->from_log;
+    TRY(info->n_resumed > 0 ? resume_files(recording, info, event_log) : create_files(recording, info, event_log));
     recording->has_run = true;
     return STATUS_OK;
 }
@@ -230,7 +286,7 @@ static enum status take_record(struct recording *recording, int kind, const unio
     case RECORD_FRAME_CONTACTS:
         return take_frame_contacts(recording, &message->frame_contacts);
     default:
-        return STATUS_OK; /* END: all that matters was checked before */
+        return STATUS_OK; /* CHECKPOINT, END: all that matters was checked before */
     }
 }
 
@@ -246,6 +302,24 @@ static bool totals_match(const struct recording *recording, const shakedown_end_
         return false;
     return !recording->wants_walls ||
            (end->wall_states == recording->wall_total[0] && end->wall_commands == recording->wall_total[1]);
+}
+
+static bool everything_before_is_here(const struct recording *recording, const shakedown_checkpoint_t *checkpoint)
+{
+    for (int c = 0; c < RECORD_CHANNELS; c++) {
+        if (checkpoint->total[c] != recording->next_seq[c])
+            return false;
+    }
+    return true;
+}
+
+/* Before it is acknowledged. */
+static enum status sync_files(struct recording *recording)
+{
+    if (recording->from_log)
+        return STATUS_OK;
+    TRY(run_writer_sync(recording->writer));
+    return recording->log ? event_writer_sync(recording->log) : STATUS_OK;
 }
 
 static enum status keep_end(struct recording *recording, const shakedown_end_t *end)
@@ -267,6 +341,8 @@ static enum status is_ready(struct recording *recording, int kind, const union m
     *ready = kind == RECORD_RUN_INFO || recording->has_run;
     if (*ready && (kind == RECORD_FRAME_PARTICLES || kind == RECORD_FRAME_CONTACTS))
         *ready = particle_set_is_complete(&recording->particles);
+    if (*ready && kind == RECORD_CHECKPOINT)
+        *ready = everything_before_is_here(recording, &message->checkpoint);
     if (*ready && kind == RECORD_END) {
         TRY(keep_end(recording, &message->end));
         *ready = recording->end_matches;
@@ -291,11 +367,15 @@ static enum status take_next(struct recording *recording, int kind, const union 
         return STATUS_OK;
     }
     TRY(status);
-    TRY(log_message(recording, kind, data, size));
+    bool repeated = recording->resume && recording->log && (kind == RECORD_RUN_INFO || kind == RECORD_PARTICLES);
+    if (!repeated) /* by a run that goes on: the log has it */
+        TRY(log_message(recording, kind, data, size));
+    if (kind == RECORD_CHECKPOINT)
+        TRY(sync_files(recording));
     recording->next_seq[kind]++;
     recording->last_step = message->header.step;
     recording->last_time_s = message->header.time_s;
-    *answer = kind == RECORD_RUN_INFO || kind == RECORD_END ? ANSWER_NOW : ANSWER_SOON;
+    *answer = kind == RECORD_RUN_INFO || kind >= RECORD_CHECKPOINT ? ANSWER_NOW : ANSWER_SOON;
     return kind == RECORD_RUN_INFO ? backlog_take(recording) : STATUS_OK;
 }
 

@@ -15,6 +15,7 @@ struct recording_options {
     bool any_run;          /* take the run of the first RUN_INFO; else: */
     int64_t run_id;
     bool from_log; /* no event log is written */
+    bool resume;   /* a run that goes on from a checkpoint, as its RUN_INFO says */
 };
 
 /* What was dropped. */

@@ -85,6 +85,7 @@ static const struct {
 struct run_writer {
     hid_t file;
     bool failed; /* a write failed: close, but write nothing more */
+    bool resumed;
     struct run_facts facts;
     double radius_max_m;
     struct h5_series series[N_SERIES];
@@ -109,7 +110,7 @@ static hid_t series_memory_type(enum series_type type)
     return types[type];
 }
 
-static enum status series_open(struct run_writer *writer, enum series_id id)
+static enum status series_start(struct run_writer *writer, enum series_id id)
 {
     hsize_t n = (hsize_t)writer->facts.n_particles, width = series_table[id].width;
     hsize_t row[H5_RANK_MAX - 1] = {width};
@@ -124,6 +125,9 @@ static enum status series_open(struct run_writer *writer, enum series_id id)
         hsize_t particles = n < FRAME_CHUNK_PARTICLES ? n : FRAME_CHUNK_PARTICLES;
         layout = (struct h5_layout){.chunk = {1, particles, 3}, .deflate = FRAME_DEFLATE};
     }
+    if (writer->resumed)
+        return h5_series_open(writer->file, series_table[id].path, series_memory_type(series_table[id].type), rank, row,
+                              &writer->series[id]);
     return h5_series_create(writer->file, series_table[id].path, series_memory_type(series_table[id].type), rank, row,
                             &layout, series_table[id].unit, &writer->series[id]);
 }
@@ -134,7 +138,7 @@ static enum status frames_create(struct run_writer *writer)
     bool frictional = writer->facts.frictional;
     for (int id = 0; id < N_SERIES; id++) {
         if (frictional || !series_table[id].only_with_friction)
-            TRY(series_open(writer, (enum series_id)id));
+            TRY(series_start(writer, (enum series_id)id));
     }
     for (size_t k = 0; k < sizeof frame_links / sizeof *frame_links; k++) {
         if (frictional || !frame_links[k].only_with_friction)
@@ -222,10 +226,15 @@ static enum status sample_links_create(hid_t file, const char *field_name)
     return h5_link(file, OBSERVABLES "/stage/time", path);
 }
 
+static struct table_options samples_options(const struct run_writer *writer)
+{
+    return (struct table_options){
+        .fields = sample_fields, .dimension = writer->facts.dimension, .block = SAMPLE_BLOCK, .path = sample_path};
+}
+
 static enum status samples_create(struct run_writer *writer)
 {
-    const struct table_options options = {
-        .fields = sample_fields, .dimension = writer->facts.dimension, .block = SAMPLE_BLOCK, .path = sample_path};
+    const struct table_options options = samples_options(writer);
     TRY(table_create(&writer->samples, writer->file, &options));
     for (const struct field *field = sample_fields; field->name; field++) {
         bool is_own =
@@ -236,16 +245,20 @@ static enum status samples_create(struct run_writer *writer)
     return STATUS_OK;
 }
 
+static struct table_options walls_options(const struct run_writer *writer, bool commands)
+{
+    return (struct table_options){.fields = commands ? wall_command_fields : wall_state_fields,
+                                  .dimension = writer->facts.dimension,
+                                  .block = WALL_BLOCK,
+                                  .deflate = WALL_DEFLATE,
+                                  .path = commands ? wall_command_path : wall_state_path};
+}
+
 static enum status walls_create(struct run_writer *writer)
 {
-    struct table_options options = {.fields = wall_state_fields,
-                                    .dimension = writer->facts.dimension,
-                                    .block = WALL_BLOCK,
-                                    .deflate = WALL_DEFLATE,
-                                    .path = wall_state_path};
+    struct table_options options = walls_options(writer, false);
     TRY(table_create(&writer->wall_states, writer->file, &options));
-    options.fields = wall_command_fields;
-    options.path = wall_command_path;
+    options = walls_options(writer, true);
     return table_create(&writer->wall_commands, writer->file, &options);
 }
 
@@ -262,8 +275,8 @@ static enum status contents_create(struct run_writer *writer, const shakedown_ru
     return h5_file_flush(writer->file);
 }
 
-enum status run_writer_create(struct run_writer **result, const char *path, const shakedown_run_info_t *info,
-                              bool walls)
+/* A writer without a file. */
+static enum status writer_new(struct run_writer **result, const shakedown_run_info_t *info)
 {
     struct run_writer *writer = *result = calloc(1, sizeof *writer);
     if (!writer)
@@ -271,11 +284,101 @@ enum status run_writer_create(struct run_writer **result, const char *path, cons
     writer->facts = (struct run_facts){info->dimension, info->n_particles, 2 * info->dimension, info->frictional != 0};
     for (int id = 0; id < N_SERIES; id++)
         writer->series[id].id = H5I_INVALID_HID;
+    return STATUS_OK;
+}
+
+enum status run_writer_create(struct run_writer **result, const char *path, const shakedown_run_info_t *info,
+                              bool walls)
+{
+    TRY(writer_new(result, info));
+    struct run_writer *writer = *result;
     TRY(note(writer, h5_file_create(path, &writer->file)));
     enum status status = note(writer, contents_create(writer, info, walls));
     if (status != STATUS_OK)
         (void)unlink(path); /* never flushed, so no one can read it */
     return status;
+}
+
+/* Whether the file is of this run and has not ended well. */
+static enum status resume_check(const struct run_writer *writer, const shakedown_run_info_t *info, const char *path)
+{
+    int64_t run_id;
+    int32_t complete, status = STATUS_OK;
+    TRY(h5_attribute_read(writer->file, "/parameters", "run_id", H5T_NATIVE_INT64, &run_id));
+    TRY(h5_attribute_read(writer->file, "/", "complete", H5T_NATIVE_INT32, &complete));
+    if (run_id != info->run_id)
+        return status_fail(STATUS_IO, "%s is of run %lld, not of run %lld", path, (long long)run_id,
+                           (long long)info->run_id);
+    if (complete)
+        TRY(h5_attribute_read(writer->file, "/", "status", H5T_NATIVE_INT32, &status));
+    if (complete && status == STATUS_OK)
+        return status_fail(STATUS_IO, "%s is complete already", path);
+    return STATUS_OK;
+}
+
+static enum status frames_resume(struct run_writer *writer, hsize_t frames)
+{
+    for (int id = 0; id < N_SERIES; id++) {
+        if (writer->facts.frictional || !series_table[id].only_with_friction)
+            TRY(series_start(writer, (enum series_id)id));
+    }
+    TRY(h5_series_cut(&writer->series[SERIES_CONTACT_OFFSET], frames + 1));
+    TRY(h5_series_read(&writer->series[SERIES_CONTACT_OFFSET], frames, 1, &writer->contacts));
+    for (int id = 0; id < N_SERIES; id++) {
+        bool is_contact = series_table[id].shape == PER_CONTACT;
+        if (writer->series[id].id >= 0 && id != SERIES_CONTACT_OFFSET)
+            TRY(h5_series_cut(&writer->series[id], is_contact ? (hsize_t)writer->contacts : frames));
+    }
+    return STATUS_OK;
+}
+
+static enum status contents_resume(struct run_writer *writer, const char *path, const shakedown_run_info_t *info,
+                                   bool walls)
+{
+    TRY(resume_check(writer, info, path));
+    TRY(complete_write(writer->file, 0));
+    TRY(frames_resume(writer, (hsize_t)info->resumed_frames));
+    struct table_options options = samples_options(writer);
+    TRY(table_open(&writer->samples, writer->file, &options, (hsize_t)info->resumed_total[RECORD_SAMPLE], false));
+    if (walls) {
+        options = walls_options(writer, false);
+        TRY(table_open(&writer->wall_states, writer->file, &options, (hsize_t)info->resumed_wall_states, true));
+        options = walls_options(writer, true);
+        TRY(table_open(&writer->wall_commands, writer->file, &options, (hsize_t)info->resumed_wall_states, true));
+    }
+    return h5_file_flush(writer->file); /* the dropped rows are gone before new ones take their room */
+}
+
+enum status run_writer_resume(struct run_writer **result, const char *path, const shakedown_run_info_t *info,
+                              bool walls, struct run_counts *counts)
+{
+    TRY(writer_new(result, info));
+    struct run_writer *writer = *result;
+    writer->resumed = true;
+    TRY(note(writer, h5_file_open(path, &writer->file)));
+    enum status status = note(writer, contents_resume(writer, path, info, walls));
+    if (status == STATUS_FORMAT) /* not the message's fault */
+        status = status_fail(STATUS_IO, "%s cannot be gone on with: %s", path, status_message());
+    if (status == STATUS_OK)
+        *counts = run_writer_counts(writer);
+    return status;
+}
+
+enum status run_writer_frame_times(const struct run_writer *writer, double *time_s)
+{
+    const struct h5_series *series = &writer->series[SERIES_TIME];
+    return h5_series_read(series, 0, series->rows, time_s);
+}
+
+enum status run_writer_wall_steps(const struct run_writer *writer, int64_t step[2])
+{
+    const struct table *tables[2] = {writer->wall_states, writer->wall_commands};
+    for (int k = 0; k < 2; k++) {
+        step[k] = -1;
+        if (tables[k] && table_rows(tables[k]) > 0)
+            TRY(table_last(tables[k], "step", &step[k]));
+    }
+    return STATUS_OK;
 }
 
 static enum status particles_write(struct run_writer *writer, const struct particle_set *set, int32_t *ids)
@@ -294,6 +397,10 @@ enum status run_writer_particles(struct run_writer *writer, const struct particl
     if (!ids)
         return status_fail(STATUS_NO_MEMORY, "no memory for %d ids", writer->facts.n_particles);
     writer->radius_max_m = set->radius_max_m;
+    if (writer->resumed) {
+        free(ids);
+        return STATUS_OK;
+    }
     enum status status = note(writer, particles_write(writer, set, ids));
     free(ids);
     return status;
@@ -387,6 +494,17 @@ static enum status tables_flush(struct run_writer *writer, bool last)
 enum status run_writer_flush(struct run_writer *writer)
 {
     return note(writer, tables_flush(writer, false));
+}
+
+static enum status tables_sync(struct run_writer *writer)
+{
+    TRY(tables_flush(writer, false));
+    return h5_file_sync(writer->file);
+}
+
+enum status run_writer_sync(struct run_writer *writer)
+{
+    return note(writer, tables_sync(writer));
 }
 
 static enum status end_write(hid_t file, const shakedown_end_t *end)

@@ -18,7 +18,17 @@ struct run_counts {
 enum status run_writer_create(struct run_writer **writer, const char *path, const shakedown_run_info_t *info,
                               bool walls) MUST_USE;
 
-/* Writes radius, mass and id of a complete set. */
+/* Opens the file of a run that goes on (info->n_resumed > 0) and drops what was recorded after its checkpoint;
+ * `complete` becomes 0. *counts: what is left; of the walls there may be less than the checkpoint knows of, which END's
+ * totals will tell. STATUS_IO if it is another run's, has ended well, or lacks records. */
+enum status run_writer_resume(struct run_writer **writer, const char *path, const shakedown_run_info_t *info,
+                              bool walls, struct run_counts *counts) MUST_USE;
+
+/* The times of the frames there are, [counts.frames]; and the last steps of the walls' two tables (-1: empty). */
+enum status run_writer_frame_times(const struct run_writer *writer, double *time_s) MUST_USE;
+enum status run_writer_wall_steps(const struct run_writer *writer, int64_t step[2]) MUST_USE;
+
+/* Writes radius, mass and id of a complete set, unless they are there already. */
 enum status run_writer_particles(struct run_writer *writer, const struct particle_set *set) MUST_USE;
 
 /* Takes a sample, a wall state, a wall command whose counts fit the run; rows are written in blocks. */
@@ -32,6 +42,9 @@ enum status run_writer_contact_frame(struct run_writer *writer, const struct con
 
 /* Brings to the file what a reader may want after a kill: all but the last rows of compressed tables. */
 enum status run_writer_flush(struct run_writer *writer) MUST_USE;
+
+/* The same, and on disk. */
+enum status run_writer_sync(struct run_writer *writer) MUST_USE;
 
 /* Writes what END says as attributes. */
 enum status run_writer_end(struct run_writer *writer, const shakedown_end_t *end) MUST_USE;

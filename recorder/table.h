@@ -21,6 +21,14 @@ struct table_options {
 /* Creates the datasets, without rows. */
 enum status table_create(struct table **table, hid_t file, const struct table_options *options) MUST_USE;
 
+/* Opens the datasets that table_create made, to go on after the first `rows` rows, or after the last if there are fewer
+ * and `lenient`; the others are dropped. */
+enum status table_open(struct table **table, hid_t file, const struct table_options *options, hsize_t rows,
+                       bool lenient) MUST_USE;
+
+/* Reads the last row of the column `name` (one int64_t); STATUS_FORMAT if there is none. */
+enum status table_last(const struct table *table, const char *name, int64_t *value) MUST_USE;
+
 /* Takes one message (the generated struct, with arrays as wide as the fields say); writes a block when it is full. */
 enum status table_append(struct table *table, const void *message) MUST_USE;
 

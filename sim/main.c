@@ -13,6 +13,8 @@ static const char usage[] =
     "sim SCENE [--set key=value]... [--seed N] [--run-id N] [--lcm URL] [--in-process] [--progress]\n"
     "  --in-process  close the wall loops here, without wallctl; records only with --lcm\n"
     "  --progress    print the progress on stderr\n"
+    "  --checkpoint FILE  write checkpoints there (scene key checkpoint_interval_s, and at stage ends)\n"
+    "  --resume FILE      go on from a checkpoint of this scene and run id\n"
     "  --check       only read and check the scene\n"
     "  --explain     print what the scene models and what it costs\n"
     "  --effective   print every key with the value in force\n"
@@ -23,7 +25,7 @@ static const char usage[] =
 
 struct options {
     bool in_process, progress, check, explain, effective, reference;
-    const char *replay;
+    const char *replay, *checkpoint, *resume;
 };
 
 static enum status replay_log(const struct scene *scene, const struct command_line *line, const char *path)
@@ -55,6 +57,8 @@ static enum status act(const struct scene *scene, const struct command_line *lin
     struct run_options run = {.run_id = line->run_id,
                               .in_process = options->in_process,
                               .progress = options->progress,
+                              .checkpoint = options->checkpoint,
+                              .resume = options->resume,
                               .url = line->lcm_url};
     return run_scene(scene, &run);
 }
@@ -84,6 +88,8 @@ int main(int argc, char **argv)
                                               {"effective", NULL, &options.effective},
                                               {"reference", NULL, &options.reference},
                                               {"replay", &options.replay, NULL},
+                                              {"checkpoint", &options.checkpoint, NULL},
+                                              {"resume", &options.resume, NULL},
                                               {NULL, NULL, NULL}};
     struct command_line line;
     enum status status = command_line_parse(&line, argc, argv, own);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "shakedown_checkpoint_t.h"
 #include "shakedown_end_t.h"
 #include "shakedown_frame_contacts_t.h"
 #include "shakedown_frame_particles_t.h"
@@ -39,7 +40,8 @@ void records_kernel_set(const struct world *world, char *text, size_t size)
              world->pairs.hysteretic ? "hysteretic" : "linear", world->pairs.n_springs ? "frictional" : "frictionless");
 }
 
-static enum status send_run_info(struct records *records, const struct world *world, char *effective)
+static enum status send_run_info(struct records *records, const struct world *world,
+                                 const struct records_resumed *resumed, char *effective)
 {
     char kernel_set[64];
     records_kernel_set(world, kernel_set, sizeof kernel_set);
@@ -57,6 +59,12 @@ static enum status send_run_info(struct records *records, const struct world *wo
         .frictional = world->pairs.n_springs > 0,
         .hysteretic = world->pairs.hysteretic,
     };
+    if (resumed) {
+        message.n_resumed = RECORD_CHANNELS;
+        message.resumed_total = (int64_t *)(uintptr_t)resumed->total;
+        message.resumed_frames = resumed->frames;
+        message.resumed_wall_states = resumed->wall_states;
+    }
     SEND(records, world, RECORD_RUN_INFO, run_info_t, &message);
 }
 
@@ -84,7 +92,8 @@ static int at_most(int a, int b)
     return a < b ? a : b;
 }
 
-enum status records_send_start(struct records *records, const struct world *world)
+enum status records_send_start(struct records *records, const struct world *world,
+                               const struct records_resumed *resumed)
 {
     char *effective = NULL;
     size_t size = 0;
@@ -94,7 +103,7 @@ enum status records_send_start(struct records *records, const struct world *worl
     scene_print(out, world->scene);
     enum status status = STATUS_NO_MEMORY;
     if (fclose(out) == 0)
-        status = send_run_info(records, world, effective);
+        status = send_run_info(records, world, resumed, effective);
     free(effective);
     const int per_chunk = CHUNK_BYTES / (2 * (int)sizeof(double)), count = world->particles.count;
     const int n_chunks = chunks_of(count, per_chunk);
@@ -102,6 +111,18 @@ enum status records_send_start(struct records *records, const struct world *worl
         status = send_particles_chunk(records, world, k, n_chunks, k * per_chunk,
                                       at_most(per_chunk, count - k * per_chunk));
     return status;
+}
+
+enum status records_send_checkpoint(struct records *records, const struct world *world, int64_t wall_states)
+{
+    int64_t total[RECORD_CHANNELS];
+    for (int c = 0; c < RECORD_CHANNELS; c++)
+        total[c] = record_stream_total(records->stream, c);
+    shakedown_checkpoint_t message = {.n_channels = RECORD_CHANNELS,
+                                      .total = total,
+                                      .n_frames = records->n_frames,
+                                      .wall_states = wall_states};
+    SEND(records, world, RECORD_CHECKPOINT, checkpoint_t, &message);
 }
 
 static void fill_ledger(shakedown_sample_t *message, const struct world *world, const struct measurement *m)

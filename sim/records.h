@@ -14,8 +14,18 @@ struct records {
 
 void records_init(struct records *records, struct record_stream *stream, int64_t run_id);
 
-/* The scene with its effective configuration, then what does not change about the particles. */
-enum status records_send_start(struct records *records, const struct world *world) MUST_USE;
+/* What a record that goes on holds already. */
+struct records_resumed {
+    int64_t total[RECORD_CHANNELS];
+    int64_t frames, wall_states;
+};
+
+/* The scene with its effective configuration, then what does not change about the particles. resumed NULL: a new run. */
+enum status records_send_start(struct records *records, const struct world *world,
+                               const struct records_resumed *resumed) MUST_USE;
+
+/* Has all that was recorded so far brought to disk, as a checkpoint of this state follows. */
+enum status records_send_checkpoint(struct records *records, const struct world *world, int64_t wall_states) MUST_USE;
 
 /* The state of the sample now; nothing if it was sent for this step and stage already. interface_residual_j: energy
  * mismatch at the walls accumulated by the coupling. */

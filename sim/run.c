@@ -1,14 +1,17 @@
 #include "sim/run.h"
 
 #include <inttypes.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "common/record_stream.h"
 #include "common/signals.h"
 #include "common/watch/progress.h"
 #include "shakedown_status_t.h"
+#include "sim/checkpoint.h"
 #include "sim/exchange.h"
 #include "sim/measure.h"
 #include "sim/records.h"
@@ -16,6 +19,11 @@
 
 static const double STATUS_INTERVAL_S = 0.1;
 enum { STEPS_PER_LOOK = 16 }; /* steps between looks at the clock and the bus */
+
+struct run_energies {
+    double kinetic_j, elastic_j;
+    int64_t step; /* at which they were measured */
+};
 
 struct run {
     const struct scene *scene;
@@ -26,12 +34,15 @@ struct run {
     struct records records;
     struct exchange exchange;
     double fraction_done;
-    double kinetic_j, elastic_j; /* at energy_step, for the controller's conditions */
-    int64_t energy_step;
+    struct run_energies energies; /* for the controller's conditions */
     int frame_strain_next; /* index in frame_strains */
     double start_s, status_s;
     int64_t status_step, status_seq;
     double steps_per_second;
+    bool resumed;                    /* went on from `before` */
+    struct run_progress before;      /* zero for a run from the start */
+    struct run_energies told;        /* with the last state */
+    double checkpoint_s;             /* when the last one was written */
 };
 
 static const struct scene_stage *stage_of(const struct run *run)
@@ -51,9 +62,9 @@ static int64_t steps_in(const struct run *run, double every_s)
 static enum status take_sample(struct run *run)
 {
     struct elastic_energy elastic = measure_elastic_energy(run->world);
-    run->kinetic_j = measure_kinetic_energy_j(run->world);
-    run->elastic_j = elastic.normal_j + elastic.tangential_j;
-    run->energy_step = run->world->step;
+    run->energies = (struct run_energies){.kinetic_j = measure_kinetic_energy_j(run->world),
+                                          .elastic_j = elastic.normal_j + elastic.tangential_j,
+                                          .step = run->world->step};
     return run->stream ? records_send_sample(&run->records, run->world, 0) : STATUS_OK;
 }
 
@@ -142,8 +153,8 @@ static void fill_status(struct run *run, double now, shakedown_status_t *message
         .dimension = world->particles.dimension,
         .strain = strain,
         .stress_wall_pa = stress,
-        .kinetic_energy_j = run->kinetic_j,
-        .elastic_energy_j = run->elastic_j,
+        .kinetic_energy_j = run->energies.kinetic_j,
+        .elastic_energy_j = run->energies.elastic_j,
         .commands_repeated = run->exchange.repeated,
     };
     if (run->stream) {
@@ -197,9 +208,10 @@ static enum status exchange(struct run *run, struct wall_command *command)
 {
     struct wall_state state;
     world_wall_state(run->world, &state);
-    state.kinetic_energy_j = run->kinetic_j;
-    state.elastic_energy_j = run->elastic_j;
-    state.energy_step = run->energy_step;
+    run->told = run->energies;
+    state.kinetic_energy_j = run->told.kinetic_j;
+    state.elastic_energy_j = run->told.elastic_j;
+    state.energy_step = run->told.step;
     return exchange_walls(&run->exchange, &state, command);
 }
 
@@ -214,16 +226,94 @@ static enum status steps(struct run *run, int n)
     return STATUS_OK;
 }
 
+/* Where the run stands before it asks for the command that answers the current state; `answered`: it has asked already,
+ * and a run that goes on from here asks again, with the same energies. */
+static struct run_progress progress_of(const struct run *run, bool answered)
+{
+    const struct run_energies *energies = answered ? &run->told : &run->energies;
+    struct run_progress progress = {.run_id = run->options->run_id,
+                                    .fraction_done = run->fraction_done,
+                                    .kinetic_j = energies->kinetic_j,
+                                    .elastic_j = energies->elastic_j,
+                                    .energy_step = energies->step,
+                                    .frame_strain_next = run->frame_strain_next,
+                                    .exchanges = run->exchange.seq - answered,
+                                    .commands_repeated = run->exchange.repeated,
+                                    .frames = run->records.n_frames,
+                                    .last_sample_step = run->records.last_sample_step,
+                                    .last_frame_step = run->records.last_frame_step,
+                                    .elapsed_s = run->before.elapsed_s + clock_now_s() - run->start_s};
+    for (int c = 0; run->stream && c < RECORD_CHANNELS; c++)
+        progress.record_total[c] = record_stream_total(run->stream, c);
+    return progress;
+}
+
+/* Brings the record to disk, so that a checkpoint never knows of records that are not there. */
+static enum status secure_records(struct run *run, int64_t exchanges, int64_t *log_bytes)
+{
+    *log_bytes = 0;
+    if (!run->stream)
+        return STATUS_OK;
+    TRY(record_stream_flush(run->stream));
+    TRY(records_send_checkpoint(&run->records, run->world, exchanges));
+    TRY(record_stream_flush(run->stream));
+    return bus_log_sync(&run->bus, log_bytes);
+}
+
+/* Under a name of its own too, so that other scenes can start from the stage. */
+static enum status share_stage(const struct run *run)
+{
+    char path[PATH_MAX], name[CONFIG_STRING_MAX];
+    snprintf(name, sizeof name, "%s", stage_of(run)->name);
+    for (char *sign = strchr(name, '/'); sign; sign = strchr(sign, '/'))
+        *sign = '_';
+    const char *slash = strrchr(run->options->checkpoint, '/');
+    int folder = slash ? (int)(slash - run->options->checkpoint) + 1 : 0;
+    int length = snprintf(path, sizeof path, "%.*scheckpoint-%s.h5", folder, run->options->checkpoint, name);
+    if (length >= (int)sizeof path)
+        return status_fail(STATUS_IO, "the path %s is too long", run->options->checkpoint);
+    return checkpoint_share(run->options->checkpoint, path);
+}
+
+/* A checkpoint that cannot be written leaves the one before, and the run goes on. */
+static enum status save(struct run *run, bool stage_end)
+{
+    int64_t log_bytes;
+    if (!run->options->checkpoint)
+        return STATUS_OK;
+    TRY(secure_records(run, run->exchange.seq - stage_end, &log_bytes));
+    struct run_progress progress = progress_of(run, stage_end);
+    progress.log_bytes = log_bytes;
+    enum status status = checkpoint_write(run->options->checkpoint, run->world, &progress);
+    if (status == STATUS_OK && stage_end)
+        status = share_stage(run);
+    if (status != STATUS_OK)
+        fprintf(stderr, "sim: warning: step %" PRId64 ": %s; the run goes on\n", run->world->step, status_message());
+    run->checkpoint_s = clock_now_s();
+    return STATUS_OK;
+}
+
+/* Looks at the clock of look_around, so that an exchange costs no call. */
+static bool checkpoint_is_due(const struct run *run)
+{
+    double interval_s = run->scene->checkpoint_interval_s;
+    return interval_s > 0 && run->status_s - run->checkpoint_s >= interval_s;
+}
+
 /* From exchange to exchange until the controller says that the protocol is done. */
 static enum status loop(struct run *run)
 {
     struct wall_command command;
     for (;;) {
+        if (checkpoint_is_due(run))
+            TRY(save(run, false));
         TRY(exchange(run, &command));
         run->fraction_done = command.fraction_done;
         bool changes = command.finished || command.stage != run->world->stage;
-        if (changes && run->world->stage >= 0)
+        if (changes && run->world->stage >= 0) {
             TRY(record_stage_end(run));
+            TRY(save(run, true));
+        }
         if (command.finished)
             return STATUS_OK;
         TRY(world_command(run->world, &command));
@@ -235,21 +325,76 @@ static enum status loop(struct run *run)
     }
 }
 
+/* Whether the record, too, goes on; it does not if the checkpoint's run recorded nothing. */
+static bool record_goes_on(const struct run *run)
+{
+    return run->resumed && run->before.record_total[RECORD_RUN_INFO] > 0;
+}
+
+/* The stream and the log as they were at the checkpoint. RUN_INFO and PARTICLES are said again on a bus, as the recorder
+ * is a new one. */
+static enum status resume_records(struct run *run)
+{
+    int64_t total[RECORD_CHANNELS];
+    if (!record_goes_on(run))
+        return STATUS_OK;
+    if (run->before.run_id != run->options->run_id)
+        return status_fail(STATUS_USAGE, "the checkpoint is of run %" PRId64 ", not of run %" PRId64,
+                           run->before.run_id, run->options->run_id);
+    if (run->bus.is_log != (run->before.log_bytes > 0))
+        return status_fail(STATUS_USAGE, "the checkpoint's run recorded %s: go on in the same way",
+                           run->bus.is_log ? "over a bus" : "into a log");
+    if (run->bus.is_log)
+        TRY(bus_log_cut(&run->bus, run->before.log_bytes));
+    memcpy(total, run->before.record_total, sizeof total);
+    if (!run->bus.is_log)
+        total[RECORD_RUN_INFO] = total[RECORD_PARTICLES] = 0;
+    record_stream_resume(run->stream, total);
+    run->records.n_frames = (int32_t)run->before.frames;
+    return STATUS_OK;
+}
+
 static enum status open_records(struct run *run)
 {
     if ((!run->options->url && run->options->in_process) || run->options->replay)
         return STATUS_OK;
+    if (run->resumed && run->options->url && strstr(run->options->url, "mode=w"))
+        return status_fail(STATUS_USAGE, "%s would lose what was recorded: go on with ?mode=a", run->options->url);
     TRY(bus_open(&run->bus, run->options->url));
     TRY(record_stream_create(&run->stream, &run->bus, run->options->run_id, run->scene->coupling.timeout_s));
     records_init(&run->records, run->stream, run->options->run_id);
-    return STATUS_OK;
+    return resume_records(run);
+}
+
+static enum status say_start(struct run *run)
+{
+    struct records_resumed resumed = {.frames = run->before.frames, .wall_states = run->before.exchanges};
+    if (!run->stream || (run->bus.is_log && record_goes_on(run)))
+        return STATUS_OK;
+    memcpy(resumed.total, run->before.record_total, sizeof resumed.total);
+    TRY(records_send_start(&run->records, run->world, record_goes_on(run) ? &resumed : NULL));
+    return record_stream_flush(run->stream); /* the recorder is there before anything happens */
+}
+
+/* Takes over where the run stood. */
+static void resume_progress(struct run *run)
+{
+    const struct run_progress *before = &run->before;
+    run->fraction_done = before->fraction_done;
+    run->energies = (struct run_energies){before->kinetic_j, before->elastic_j, before->energy_step};
+    run->frame_strain_next = (int)before->frame_strain_next;
+    run->exchange.seq = before->exchanges;
+    run->exchange.repeated = before->commands_repeated;
+    run->records.last_sample_step = before->last_sample_step;
+    run->records.last_frame_step = before->last_frame_step;
+    run->status_step = run->world->step;
 }
 
 /* END with the totals, and the wait for its acknowledgement. The run's own failure comes before one of the records. */
 static enum status finish(struct run *run, enum status status)
 {
     struct run_totals totals = {run->exchange.seq, run->exchange.seq, run->exchange.repeated,
-                                clock_now_s() - run->start_s};
+                                run->before.elapsed_s + clock_now_s() - run->start_s};
     if (run->options->progress && isatty(STDERR_FILENO))
         fprintf(stderr, "\n");
     if (!run->stream)
@@ -264,22 +409,29 @@ static enum status finish(struct run *run, enum status status)
 
 static enum status start_and_loop(struct run *run)
 {
-    if (run->stream) {
-        TRY(records_send_start(&run->records, run->world));
-        TRY(record_stream_flush(run->stream)); /* the recorder is there before anything happens */
-    }
+    TRY(say_start(run));
     TRY(exchange_init(&run->exchange, run->scene, &run->bus, run->stream, run->options->run_id,
                       run->options->in_process, run->options->replay));
-    run->start_s = run->status_s = clock_now_s();
+    run->start_s = run->status_s = run->checkpoint_s = clock_now_s();
+    if (run->resumed)
+        resume_progress(run);
     TRY(loop(run));
     struct replay *replay = run->options->replay;
     return replay ? replay_finish(replay, run->world->step, world_hash(run->world)) : STATUS_OK;
 }
 
+static enum status make_world(struct run *run)
+{
+    run->resumed = run->options->resume != NULL;
+    return run->resumed ? checkpoint_resume(run->options->resume, run->scene, &run->world, &run->before)
+                        : world_create(&run->world, run->scene);
+}
+
 enum status run_scene(const struct scene *scene, const struct run_options *options)
 {
     struct run run = {.scene = scene, .options = options};
-    TRY(world_create(&run.world, scene));
+    TRY(make_world(&run));
+    const int64_t first_step = run.world->step;
     enum status status = open_records(&run);
     if (status == STATUS_OK)
         status = finish(&run, start_and_loop(&run));
@@ -289,7 +441,7 @@ enum status run_scene(const struct scene *scene, const struct run_options *optio
     if (options->progress)
         fprintf(stderr, "sim: %" PRId64 " steps, %.3f s, %.2f us per step, %" PRId64 " list builds, %d candidates, hash %016" PRIx64 "\n", run.world->step,
                 clock_now_s() - run.start_s,
-                run.world->step ? 1e6 * (clock_now_s() - run.start_s) / (double)run.world->step : 0, run.world->neighbor.rebuilds, run.world->pairs.count, world_hash(run.world));
+                run.world->step > first_step ? 1e6 * (clock_now_s() - run.start_s) / (double)(run.world->step - first_step) : 0, run.world->neighbor.rebuilds, run.world->pairs.count, world_hash(run.world));
     world_free(run.world);
     return status;
 }

@@ -11,6 +11,8 @@ struct run_options {
     bool in_process;    /* call the control law here instead of asking wallctl */
     bool progress;      /* print STATUS on stderr too */
     const char *url;    /* of the bus; NULL in process: no records at all */
+    const char *checkpoint; /* where to write checkpoints; NULL: none */
+    const char *resume;     /* the checkpoint to go on from; NULL: from the start */
     struct replay *replay; /* commands come from this log and states are compared with it; no records; NULL: no */
 };
 
