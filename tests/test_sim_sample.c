@@ -1,0 +1,273 @@
+/* Many particles: what is conserved, the energy ledger, and stresses in equilibrium. */
+#include "sim_fixture.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "sim/measure.h"
+#include "sim/random.h"
+
+/* ---- a free cluster ---- */
+
+enum { CLUSTER = 12 };
+
+/* Particles on a small lattice that fly at the middle, with spin, nothing else around. */
+static struct fixture cluster(int dimension, bool friction)
+{
+    struct fixture_options options = {
+        .dimension = dimension,
+        .count = CLUSTER,
+        .dt_s = 2e-7,
+        .material = friction ? "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m = 5e4; "
+                               "gamma_n_kg_per_s = 0.1; mu_s = 0.4; kt_n_per_m = 3e4; gamma_t_kg_per_s = 0.05;"
+                             : "kn_n_per_m = 1e5; gamma_n_kg_per_s = 0.1;"};
+    struct fixture f = fixture_open(&options);
+    struct particles *p = &f.world->particles;
+    struct random random;
+    random_init(&random, 5);
+    for (int i = 0; i < CLUSTER; i++) {
+        int at[3] = {i % 2, i / 2 % 2, i / 4};
+        if (dimension == 2) {
+            at[0] = i % 4;
+            at[1] = i / 4;
+        }
+        for (int c = 0; c < dimension; c++) {
+            double middle = 0.5 * (f.world->walls[2 * c].x + f.world->walls[2 * c + 1].x);
+            p->x[c][i] = middle + 2.1e-3 * (at[c] - 1);
+            p->v[c][i] = -500 * (p->x[c][i] - middle) + 0.1 * random_uniform(&random);
+        }
+        for (int c = 0; c < p->n_rotations; c++)
+            p->omega[c][i] = 200 * (random_uniform(&random) - 0.5);
+    }
+    fixture_start(&f);
+    return f;
+}
+
+/* Momentum, and the sum of |m v| as its scale. */
+static void momentum(const struct particles *p, double *sum, double *scale)
+{
+    *scale = 0;
+    for (int c = 0; c < p->dimension; c++) {
+        sum[c] = 0;
+        for (int i = 0; i < p->count; i++) {
+            sum[c] += p->mass[i] * p->v[c][i];
+            *scale += fabs(p->mass[i] * p->v[c][i]);
+        }
+    }
+}
+
+/* Rounding: in each step every particle's velocity takes a few roundings of forces that cancel in pairs; a force
+ * changes momentum by at most the scale within tens of steps, so that steps x N x eps x scale is far on the safe side.
+ */
+static void momentum_is_conserved(void **state)
+{
+    enum { STEPS = 2000 };
+    (void)state;
+    for (int model = 0; model < 4; model++) {
+        double before[3], after[3], scale, end_scale;
+        struct fixture f = cluster(2 + model / 2, model % 2);
+        double kinetic = measure_kinetic_energy_j(f.world);
+        momentum(&f.world->particles, before, &scale);
+        fixture_steps(&f, STEPS);
+        momentum(&f.world->particles, after, &end_scale);
+        assert_true(measure_kinetic_energy_j(f.world) < 0.9 * kinetic); /* they did collide */
+        for (int c = 0; c < f.world->particles.dimension; c++)
+            assert_close("momentum", after[c], before[c], STEPS * CLUSTER * DBL_EPSILON * scale);
+        fixture_close(&f);
+    }
+}
+
+/* a x b, component c of 3; in 2D the one component about x cross z. */
+static double cross(const double *a, const double *b, int dimension, int c)
+{
+    if (dimension == 2)
+        return a[0] * b[1] - a[1] * b[0];
+    return a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
+}
+
+static double angular_momentum(const struct particles *p, int c)
+{
+    double sum = 0;
+    for (int i = 0; i < p->count; i++) {
+        double x[3] = {0}, v[3] = {0};
+        for (int k = 0; k < p->dimension; k++) {
+            x[k] = p->x[k][i];
+            v[k] = p->v[k][i];
+        }
+        sum += p->mass[i] * cross(x, v, p->dimension, c) + p->omega[c][i] / p->inv_inertia[i];
+    }
+    return sum;
+}
+
+/* The law takes full radii as lever arms [D eq. 3] while centres are a_i + a_j - delta apart, so a contact leaves a
+ * torque -delta n x f: the sum over contacts now. */
+static double torque_of_overlaps(const struct world *world, int c, double *sum_of_sizes)
+{
+    struct contact_measurement contacts[CLUSTER * CLUSTER];
+    double sum = 0;
+    int n = measure_contacts(world, contacts);
+    for (int k = 0; k < n; k++) {
+        double torque = contacts[k].overlap_m *
+                        cross(contacts[k].normal, contacts[k].tangential_force_n, world->particles.dimension, c);
+        sum -= torque;
+        *sum_of_sizes += fabs(torque);
+    }
+    return sum;
+}
+
+/* Velocity Verlet changes angular momentum by exactly the trapezoidal sum of the torques, whatever dt: what is left is
+ * rounding. The measured contact forces are those of the step. */
+static void angular_momentum_follows_the_torques(void **state)
+{
+    enum { STEPS = 1000 };
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        struct fixture f = cluster(dimension, true);
+        const struct particles *p = &f.world->particles;
+        for (int c = 0; c < p->n_rotations; c++) {
+            double before = angular_momentum(p, c), torque = 0, sizes = 0;
+            double last = torque_of_overlaps(f.world, c, &sizes);
+            for (int k = 0; k < STEPS; k++) {
+                fixture_steps(&f, 1);
+                double now = torque_of_overlaps(f.world, c, &sizes);
+                torque += 0.5 * f.world->dt * (last + now);
+                last = now;
+            }
+            /* x of about 0.2 m times m v of all: the terms that cancel */
+            double scale = CLUSTER * p->mass[0] * 0.4 * 0.5;
+            assert_close("angular momentum", angular_momentum(p, c) - before, torque,
+                         STEPS * CLUSTER * DBL_EPSILON * scale);
+            if (c == 0) /* friction acted, and its part is above the tolerance */
+                assert_true(f.world->dt * sizes > 10 * STEPS * CLUSTER * DBL_EPSILON * scale);
+        }
+        fixture_close(&f);
+    }
+}
+
+/* ---- a packed box ---- */
+
+/* In 3D the walls are small: forces of the same order as in 2D. */
+static double pressure_of(int dimension)
+{
+    return dimension == 2 ? 500 : 2e4;
+}
+
+/* 60 particles between four stress-controlled walls, in 3D six. */
+static struct fixture box(int dimension, const char *material, double dt_s)
+{
+    char text[2048];
+    char wall[256];
+    snprintf(wall, sizeof wall,
+             "{ mode = \"stress\"; pressure_pa = %g; mass_kg = 1e-4; damping_kg_per_s = 1.0; opposite = \"mirror\"; };",
+             pressure_of(dimension));
+    int length =
+        snprintf(text, sizeof text,
+                 "dimension = %d;\n"
+                 "sample = { count = 60; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; density_kg_per_m3 = "
+                 "2000.0; speed_m_per_s = 0.1; };\n"
+                 "material = { %s };\n"
+                 "walls = { x = %s z = %s %s%s };\n"
+                 "stages = ( { name = \"a\"; dt_s = %.17e; duration_s = 100.0; } );\n",
+                 dimension, material, wall, wall, dimension == 3 ? "y = " : "", dimension == 3 ? wall : "", dt_s);
+    assert_true(length < (int)sizeof text);
+    return fixture_from_text(text);
+}
+
+/* Work of all kinds in the ledger: the scale of its residual. */
+static double work_scale(const struct world *world, const struct measurement *m)
+{
+    return fabs(world->ledger.work_walls) + fabs(m->work_gravity_j) + world->ledger.kinetic_start;
+}
+
+/* The whole ledger while a sample is compressed: every term is in use. dt is 1/36 of the shortest collision time, omega
+ * dt = 0.09: the residual is of second order, of the order (omega dt)^2/12 = 7e-4 of what passes through the springs.
+ */
+static void ledger_of_a_compression(void **state)
+{
+    static const char *const material[] = {
+        "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m = 5e4; gamma_n_kg_per_s = 0.1; mu_s = "
+        "0.4; mu_d = 0.3; kt_n_per_m = 3e4; gamma_t_kg_per_s = 0.05; gamma_b_kg_per_s = 0.01; gamma_br_kg_per_s = "
+        "0.01;",
+        "kn_n_per_m = 1e5; gamma_n_kg_per_s = 0.1; gamma_b_kg_per_s = 0.01;"};
+    (void)state;
+    for (int model = 0; model < 4; model++) {
+        struct measurement m;
+        struct fixture f = box(2 + model / 2, material[model % 2], 2e-7);
+        fixture_run(&f, 150000);
+        must(measure(f.world, &m));
+        print_message("%dD model %d: residual/work %.2e, %d contacts, walls %.3g %.3g Pa\n", 2 + model / 2, model % 2,
+                      m.residual_j / work_scale(f.world, &m), m.n_contacts, m.stress_wall_pa[0], m.stress_wall_pa[1]);
+        assert_true(m.n_contacts + m.n_wall_contacts > 60);
+        assert_true(fabs(m.residual_j) < 1e-3 * work_scale(f.world, &m));
+        fixture_close(&f);
+    }
+}
+
+/* (1/V) sum over wall contacts of -f (x) p, p the foot of the contact on its wall: what the walls exert from outside.
+ */
+static void stress_from_outside(const struct world *world, double *stress)
+{
+    static struct contact_measurement contacts[4096];
+    const struct particles *p = &world->particles;
+    const int dim = p->dimension, n = measure_contacts(world, NULL);
+    double volume = 1;
+    assert_true(n <= 4096);
+    measure_contacts(world, contacts);
+    for (int c = 0; c < dim; c++)
+        volume *= world_box_length_m(world, c);
+    for (int k = 0; k < dim * dim; k++)
+        stress[k] = 0;
+    for (int k = 0; k < n; k++) {
+        int w = -1 - contacts[k].j;
+        if (w < 0)
+            continue;
+        for (int a = 0; a < dim; a++)
+            for (int b = 0; b < dim; b++) {
+                double foot = b == w / 2 ? world->walls[w].x : p->x[b][contacts[k].i];
+                double force = contacts[k].normal_force_n * contacts[k].normal[a] + contacts[k].tangential_force_n[a];
+                stress[a * dim + b] -= force * foot / volume;
+            }
+    }
+}
+
+/* In equilibrium the contact stress (1/V) sum f (x) l is what the walls exert, component by component; without friction
+ * on the walls its diagonal is force over area. What is left is what still moves: the relaxation is strong enough for
+ * 1e-6. */
+static void wall_stress_is_contact_stress(void **state)
+{
+    static const char *const material[] = {
+        "kn_n_per_m = 1e5; gamma_n_kg_per_s = 0.3; gamma_b_kg_per_s = 0.1;",
+        "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m = 5e4; gamma_n_kg_per_s = 0.3; mu_s = "
+        "0.4; kt_n_per_m = 3e4; gamma_t_kg_per_s = 0.1; gamma_b_kg_per_s = 0.1; gamma_br_kg_per_s = 0.1;"};
+    (void)state;
+    for (int model = 0; model < 4; model++) {
+        struct measurement m;
+        int dim = 2 + model / 2;
+        double outside[9], scale = 1e-6 * pressure_of(dim);
+        struct fixture f = box(dim, material[model % 2], 1e-6);
+        fixture_run(&f, 150000);
+        must(measure(f.world, &m));
+        assert_true(m.n_contacts + m.n_wall_contacts > 60);
+        stress_from_outside(f.world, outside);
+        for (int k = 0; k < dim * dim; k++)
+            assert_close("stress", m.stress_contact_pa[k], outside[k], scale);
+        for (int c = 0; c < dim; c++) {
+            assert_close("target", m.stress_wall_pa[c], pressure_of(dim), scale);
+            if (model % 2 == 0)
+                assert_close("wall stress", m.stress_contact_pa[c * dim + c], m.stress_wall_pa[c], scale);
+        }
+        fixture_close(&f);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(momentum_is_conserved),
+        cmocka_unit_test(angular_momentum_follows_the_torques),
+        cmocka_unit_test(ledger_of_a_compression),
+        cmocka_unit_test(wall_stress_is_contact_stress),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
