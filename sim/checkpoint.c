@@ -349,7 +349,10 @@ static enum status content_fill(struct content *content, hid_t file, const char 
     TRY(world_create_empty(&content->world, &content->scene));
     TRY(get_items(file, content->world, &content->progress));
     world_set_law(content->world);
-    return world_init_lists(content->world);
+    const int64_t rebuilds = content->world->neighbor.rebuilds;
+    TRY(world_init_lists(content->world)); /* needs the radii */
+    content->world->neighbor.rebuilds = rebuilds;
+    return STATUS_OK;
 }
 
 static enum status content_load(struct content **content, const char *path)
