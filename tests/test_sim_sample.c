@@ -163,7 +163,7 @@ static struct fixture box(int dimension, const char *material, double dt_s)
              pressure_of(dimension));
     int length =
         snprintf(text, sizeof text,
-                 "dimension = %d;\n"
+                 "dimension = %d; seed = 4;\n"
                  "sample = { count = 60; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; density_kg_per_m3 = "
                  "2000.0; speed_m_per_s = 0.1; };\n"
                  "material = { %s };\n"
@@ -186,8 +186,8 @@ static double work_scale(const struct world *world, const struct measurement *m)
 static void ledger_of_a_compression(void **state)
 {
     static const char *const material[] = {
-        "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m = 5e4; gamma_n_kg_per_s = 0.1; mu_s = "
-        "0.4; mu_d = 0.3; kt_n_per_m = 3e4; gamma_t_kg_per_s = 0.05; gamma_b_kg_per_s = 0.01; gamma_br_kg_per_s = "
+        "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m = 1e4; gamma_n_kg_per_s = 0.1; mu_s = "
+        "0.2; mu_d = 0.15; kt_n_per_m = 3e4; gamma_t_kg_per_s = 0.05; gamma_b_kg_per_s = 0.01; gamma_br_kg_per_s = "
         "0.01;",
         "kn_n_per_m = 1e5; gamma_n_kg_per_s = 0.1; gamma_b_kg_per_s = 0.01;"};
     (void)state;
@@ -216,8 +216,12 @@ static void stress_from_outside(const struct world *world, double *stress)
     measure_contacts(world, contacts);
     for (int c = 0; c < dim; c++)
         volume *= world_box_length_m(world, c);
-    for (int k = 0; k < dim * dim; k++)
+    for (int k = 0; k < dim * dim; k++) {
+        const double *a = p->a[k / dim], *v = p->v[k / dim], *x = p->x[k % dim];
         stress[k] = 0;
+        for (int i = 0; i < p->count; i++)
+            stress[k] += (p->mass[i] * a[i] + world->material->gamma_b_kg_per_s * v[i]) * x[i] / volume;
+    }
     for (int k = 0; k < n; k++) {
         int w = -1 - contacts[k].j;
         if (w < 0)
@@ -231,15 +235,14 @@ static void stress_from_outside(const struct world *world, double *stress)
     }
 }
 
-/* In equilibrium the contact stress (1/V) sum f (x) l is what the walls exert, component by component; without friction
- * on the walls its diagonal is force over area. What is left is what still moves: the relaxation is strong enough for
- * 1e-6. */
+/* The contact stress (1/V) sum f (x) l balances what the walls exert, component by component; in equilibrium and
+ * without friction on the walls its diagonal is force over area. The relaxation is strong enough for 1e-6. */
 static void wall_stress_is_contact_stress(void **state)
 {
     static const char *const material[] = {
         "kn_n_per_m = 1e5; gamma_n_kg_per_s = 0.3; gamma_b_kg_per_s = 0.1;",
-        "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m = 5e4; gamma_n_kg_per_s = 0.3; mu_s = "
-        "0.4; kt_n_per_m = 3e4; gamma_t_kg_per_s = 0.1; gamma_b_kg_per_s = 0.1; gamma_br_kg_per_s = 0.1;"};
+        "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m = 1e4; gamma_n_kg_per_s = 0.3; mu_s = "
+        "0.2; kt_n_per_m = 3e4; gamma_t_kg_per_s = 0.1; gamma_b_kg_per_s = 0.1; gamma_br_kg_per_s = 0.1;"};
     (void)state;
     for (int model = 0; model < 4; model++) {
         struct measurement m;
