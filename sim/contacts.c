@@ -35,6 +35,8 @@ enum status contact_list_reserve(struct contact_list *list, int capacity, int di
     size_t size = (size_t)capacity, keep = (size_t)list->count;
     TRY(array_resize(&list->i, sizeof *list->i, size, keep));
     TRY(array_resize(&list->j, sizeof *list->j, size, keep));
+    TRY(array_resize(&list->row_i, sizeof *list->row_i, size, keep));
+    TRY(array_resize(&list->row_j, sizeof *list->row_j, size, keep));
     TRY(array_resize(&list->reach, sizeof(double), size, keep));
     if (list->hysteretic)
         TRY(array_resize(&list->history, sizeof(double), size, keep));
@@ -58,19 +60,30 @@ void contact_losses_add(struct contact_losses *sum, const struct contact_losses 
     sum->friction += lost->friction;
 }
 
-void contact_list_pad(struct contact_list *list, int padding)
+static void clear(struct contact_list *list, int k)
+{
+    list->reach[k] = 0;
+    if (list->hysteretic)
+        list->history[k] = 0;
+    if (list->n_springs)
+        list->sliding[k] = 0;
+    for (int c = 0; c < list->n_springs; c++)
+        list->spring[c][k] = 0;
+}
+
+void contact_list_close(struct contact_list *list, const struct particles *particles)
 {
     enum { WIDEST = 8 };
-    for (int k = list->count; k < list->capacity && k % WIDEST != 0; k++) {
-        list->i[k] = padding;
-        list->j[k] = padding + 1;
-        list->reach[k] = 0;
-        if (list->hysteretic)
-            list->history[k] = 0;
-        if (list->n_springs)
-            list->sliding[k] = 0;
-        for (int c = 0; c < list->n_springs; c++)
-            list->spring[c][k] = 0;
+    const uint32_t stride = RECORD_STRIDE(particles->dimension, particles->n_rotations > 0);
+    int k = list->count;
+    for (; k < list->capacity && k % WIDEST != 0; k++) {
+        list->i[k] = particles->count;
+        list->j[k] = particles->count + 1;
+        clear(list, k);
+    }
+    for (int m = 0; m < k; m++) {
+        list->row_i[m] = stride * (uint32_t)list->i[m];
+        list->row_j[m] = stride * (uint32_t)list->j[m];
     }
 }
 
@@ -78,6 +91,8 @@ void contact_list_free(struct contact_list *list)
 {
     free(list->i);
     free(list->j);
+    free(list->row_i);
+    free(list->row_j);
     free(list->reach);
     free(list->history);
     free(list->sliding);

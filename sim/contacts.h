@@ -32,10 +32,13 @@ struct contact_list {
     int count, capacity;
     int32_t *i;         /* [count] */
     int32_t *j;         /* [count] other particle, i < j; in the list of a wall: the first padding particle */
+    uint32_t *row_i;    /* where the records of i and j start in particles->record [doubles] */
+    uint32_t *row_j;
     double *reach;      /* a_i + a_j [m] */
     double *history;    /* delta_max [m]; hysteretic law only */
     double *spring[3];  /* tangential spring at the middle of the step to come [m]: 1 component in 2D, 3 in 3D */
     double *sliding;    /* 1: slides, 0: sticks */
+    bool keep_forces;   /* whether the kernels fill force and moment: only walls need them, measurements do not */
     double *force[3];   /* on i [N], dimension components */
     double *moment[3];  /* n x f_t [N]: torque on i is -a_i moment, on j -a_j moment; as many as spring */
     int n_springs;      /* 0 without friction */
@@ -57,8 +60,9 @@ struct contact_law_constants contact_law_constants_of(const struct scene_materia
 /* Adds the losses of `lost` to `sum`. */
 void contact_losses_add(struct contact_losses *sum, const struct contact_losses *lost);
 
-/* Completes the last vector with padding pairs: particles `padding` and `padding` + 1. */
-void contact_list_pad(struct contact_list *list, int padding);
+/* Completes the last vector with padding pairs, particles->count and the one behind it, and sets the rows. To be called
+ * whenever i and j have changed. */
+void contact_list_close(struct contact_list *list, const struct particles *particles);
 
 /* Makes room for `capacity` members; contents are kept. */
 enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension) MUST_USE;

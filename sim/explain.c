@@ -9,13 +9,13 @@ static size_t bytes_per_particle(const struct particles *p)
 {
     bool frictional = p->n_rotations > 0;
     int reals = 4 * p->dimension + 2 * p->n_rotations + 3 + frictional; /* x v a x_list, omega alpha, radius mass ... */
-    reals += PACKED_STRIDE(p->dimension, frictional) + FORCE_STRIDE(p->dimension, frictional);
+    reals += RECORD_STRIDE(p->dimension, frictional);
     return (size_t)reals * sizeof(double);
 }
 
 static size_t bytes_per_candidate(const struct contact_list *list, int dimension)
 {
-    size_t bytes = 2 * sizeof(int32_t) + (size_t)(dimension + 1) * sizeof(double);
+    size_t bytes = 4 * sizeof(int32_t) + (size_t)(dimension + 1) * sizeof(double);
     bytes += list->hysteretic ? sizeof(double) : 0;
     bytes += list->n_springs ? (2 * (size_t)list->n_springs + 1) * sizeof(double) : 0;
     return bytes;

@@ -21,6 +21,18 @@
 /* Components of the tangential spring, of rotations and of moments. */
 #define SPRINGS (2 * DIM - 3)
 
+#ifndef LANES_RSQRT
+#define LANES_RSQRT
+/* 1/sqrt(x) to about one unit in the last place: the seed is right to 1e-7, and the step's error is of third order.
+ * The same bits in every instruction set, and much cheaper than square root and division in double. */
+LANES_INLINE real lanes_rsqrt(real x)
+{
+    real y = real_rsqrt_seed(x);
+    real e = real_fma(-x, y * y, real_all(1.0)); /* y = (1 - e)^(1/2) / sqrt(x) */
+    return real_fma(real_fma(real_all(0.375), e, real_all(0.5)), e * y, y);
+}
+#endif
+
 /* What one set of contacts needs beyond geometry; history, spring and sliding change in place. */
 struct NAME(contact_state) {
     real history, spring[3], sliding; /* sliding: 1 or 0 */
@@ -117,20 +129,20 @@ LANES_INLINE struct NAME(contact_result)
     struct NAME(contact_result) result;
     const real zero = real_all(0.0), gamma_n = real_all(law->gamma_n);
     mask active = mask_greater(delta, zero);
-    real u = g[0] * n[0] + g[1] * n[1];
+    real u = real_fma(g[1], n[1], g[0] * n[0]);
 #if DIM == 3
-    u = u + g[2] * n[2];
+    u = real_fma(g[2], n[2], u);
 #endif
     real loading = real_all(law->k1) * delta;
 #if HYSTERETIC
     /* [LH eq. 1.6]: loading k1 delta, un- and reloading k2 (delta - delta_0), adhesion branch -kc delta */
-    real unloading = real_all(law->k2) * delta - real_all(law->k2_minus_k1) * state->history;
+    real unloading = real_fma(real_all(law->k2), delta, -real_all(law->k2_minus_k1) * state->history);
     real adhesion = -real_all(law->kc) * delta;
     real elastic = real_larger(adhesion, real_smaller(loading, unloading));
     real moved = real_select(mask_at_least(adhesion, unloading), real_all(law->branch_ratio) * delta, state->history);
     real after = real_select(mask_at_least(unloading, loading), delta, moved);
     after = real_select(active, after, zero);
-    real change = after * after - state->history * state->history;
+    real change = (after - state->history) * (after + state->history);
     result.hysteresis = real_select(mask_greater(change, zero), real_all(law->loading_loss) * change,
                                     -real_all(law->adhesion_loss) * change);
     state->history = after;
@@ -138,7 +150,7 @@ LANES_INLINE struct NAME(contact_result)
     real elastic = loading;
     result.hysteresis = zero;
 #endif
-    real normal_force = elastic - gamma_n * u;
+    real normal_force = real_fma(-gamma_n, u, elastic);
     result.viscous_normal = real_select(active, gamma_n * u * u * real_all(law->dt), zero);
     result.viscous_tangential = result.friction = zero;
     for (int c = 0; c < DIM; c++)
@@ -173,17 +185,21 @@ LANES_INLINE void NAME(store)(struct contact_list *list, int k, const struct NAM
                               const struct NAME(contact_result) * result)
 {
     (void)state;
-    for (int c = 0; c < DIM; c++)
-        real_store(list->force[c] + k, result->force[c]);
 #if HYSTERETIC
     real_store(list->history + k, state->history);
 #endif
 #if FRICTIONAL
     real_store(list->sliding + k, state->sliding);
-    for (int c = 0; c < SPRINGS; c++) {
+    for (int c = 0; c < SPRINGS; c++)
         real_store(list->spring[c] + k, state->spring[c]);
+#endif
+    if (!list->keep_forces)
+        return;
+    for (int c = 0; c < DIM; c++)
+        real_store(list->force[c] + k, result->force[c]);
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++)
         real_store(list->moment[c] + k, result->moment[c]);
-    }
 #endif
 }
 
@@ -215,19 +231,19 @@ struct NAME(packed) {
 #endif
 };
 
-/* The packed records (particles.h) of LANES particles. */
-LANES_INLINE struct NAME(packed) NAME(unpack)(const struct particles *p, const int32_t *at)
+/* Position, velocity, rotation of LANES particles from their records (particles.h). */
+LANES_INLINE struct NAME(packed) NAME(unpack)(const double *record, const uint32_t *row)
 {
     struct NAME(packed) to;
     real block[4];
-    lanes_gather4(p->packed, PACKED_STRIDE(DIM, FRICTIONAL), at, block);
+    lanes_gather4(record, row, block);
 #if DIM == 2
     to.x[0] = block[0];
     to.x[1] = block[1];
     to.v[0] = block[2];
     to.v[1] = block[3];
 #if FRICTIONAL
-    lanes_gather4(p->packed + 4, PACKED_STRIDE(DIM, FRICTIONAL), at, block);
+    lanes_gather4(record + RECORD_ROTATION(2), row, block);
     to.omega[0] = block[0];
     to.radius = block[1];
 #endif
@@ -237,11 +253,11 @@ LANES_INLINE struct NAME(packed) NAME(unpack)(const struct particles *p, const i
 #if FRICTIONAL
     to.radius = block[3];
 #endif
-    lanes_gather4(p->packed + 4, PACKED_STRIDE(DIM, FRICTIONAL), at, block);
+    lanes_gather4(record + 4, row, block);
     for (int c = 0; c < 3; c++)
         to.v[c] = block[c];
 #if FRICTIONAL
-    lanes_gather4(p->packed + 8, PACKED_STRIDE(DIM, FRICTIONAL), at, block);
+    lanes_gather4(record + RECORD_ROTATION(3), row, block);
     for (int c = 0; c < 3; c++)
         to.omega[c] = block[c];
 #endif
@@ -251,23 +267,24 @@ LANES_INLINE struct NAME(packed) NAME(unpack)(const struct particles *p, const i
 
 /* Adds forces and moments to the sums of i and, reversed, of j, one contact after the other. Lanes of padding pairs add
  * zeros to the padding particles. */
-LANES_INLINE void NAME(add_pair)(double *into, const int32_t *i, const int32_t *j,
+LANES_INLINE void NAME(add_pair)(double *record, const uint32_t *i, const uint32_t *j,
                                  const struct NAME(contact_result) * result)
 {
+    double *force = record + RECORD_FORCE(DIM);
 #if DIM == 2 && !FRICTIONAL
-    lanes_add2(into, i, j, result->force);
+    lanes_add2(force, i, j, result->force);
 #elif DIM == 2
     static const double sign[4] = {-1, -1, 1, 1};
     real column[4] = {result->force[0], result->force[1], result->moment[0], real_all(0.0)};
-    lanes_add4(into, FORCE_STRIDE(2, 1), i, j, column, sign);
+    lanes_add4(force, i, j, column, sign);
 #else
     static const double opposite[4] = {-1, -1, -1, 1};
-    real force[4] = {result->force[0], result->force[1], result->force[2], real_all(0.0)};
-    lanes_add4(into, FORCE_STRIDE(3, FRICTIONAL), i, j, force, opposite);
+    real column[4] = {result->force[0], result->force[1], result->force[2], real_all(0.0)};
+    lanes_add4(force, i, j, column, opposite);
 #if FRICTIONAL
     static const double alike[4] = {1, 1, 1, 1};
     real moment[4] = {result->moment[0], result->moment[1], result->moment[2], real_all(0.0)};
-    lanes_add4(into + 4, FORCE_STRIDE(3, 1), i, j, moment, alike);
+    lanes_add4(record + RECORD_MOMENT(3), i, j, moment, alike);
 #endif
 #endif
 }
@@ -276,17 +293,19 @@ static void NAME(pair)(struct particles *p, struct contact_list *pairs, const st
                        struct contact_losses *losses)
 {
     const struct contact_law_constants law = *law_in;
-    memset(p->force, 0, (size_t)p->count * FORCE_STRIDE(DIM, FRICTIONAL) * sizeof *p->force);
     struct NAME(sums) sums = {real_all(0.0), real_all(0.0), real_all(0.0), real_all(0.0)};
     for (int k = 0; k < pairs->count; k += LANES) {
-        struct NAME(packed) i = NAME(unpack)(p, pairs->i + k), j = NAME(unpack)(p, pairs->j + k);
-        real d[DIM], n[DIM], g[DIM], w[3] = {0}, spin[3] = {0}, d2 = real_all(0.0);
+        struct NAME(packed) i = NAME(unpack)(p->record, pairs->row_i + k), j = NAME(unpack)(p->record, pairs->row_j + k);
+        real d[DIM], n[DIM], g[DIM], w[3] = {0}, spin[3] = {0};
         for (int c = 0; c < DIM; c++) {
             d[c] = i.x[c] - j.x[c];
             g[c] = i.v[c] - j.v[c];
-            d2 = d2 + d[c] * d[c];
         }
-        real inverse = real_rsqrt(d2);
+        real d2 = real_fma(d[1], d[1], d[0] * d[0]);
+#if DIM == 3
+        d2 = real_fma(d[2], d[2], d2);
+#endif
+        real inverse = lanes_rsqrt(d2);
         real distance = d2 * inverse;
         for (int c = 0; c < DIM; c++)
             n[c] = d[c] * inverse;
@@ -300,7 +319,7 @@ static void NAME(pair)(struct particles *p, struct contact_list *pairs, const st
         struct NAME(contact_result) result =
             NAME(contact)(&law, real_load(pairs->reach + k) - distance, n, g, w, spin, &state);
         NAME(store)(pairs, k, &state, &result);
-        NAME(add_pair)(p->force, pairs->i + k, pairs->j + k, &result);
+        NAME(add_pair)(p->record, pairs->row_i + k, pairs->row_j + k, &result);
         NAME(sums_add)(&sums, &result);
     }
     NAME(sums_close)(&sums, losses);
@@ -312,12 +331,12 @@ static void NAME(add_wall)(struct particles *p, struct wall *wall)
     const struct contact_list *list = &wall->contacts;
     double sum = 0;
     for (int k = 0; k < list->count; k++) {
-        double *to = p->force + (size_t)list->i[k] * FORCE_STRIDE(DIM, FRICTIONAL);
+        double *to = p->record + list->row_i[k] + RECORD_FORCE(DIM);
         for (int c = 0; c < DIM; c++)
             to[c] += list->force[c][k];
 #if FRICTIONAL
         for (int c = 0; c < SPRINGS; c++)
-            to[TORQUE_OFFSET(DIM) + c] += list->moment[c][k];
+            to[RECORD_MOMENT(DIM) - RECORD_FORCE(DIM) + c] += list->moment[c][k];
 #endif
         sum += list->force[wall->axis][k];
     }
@@ -357,30 +376,31 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
     NAME(add_wall)(p, wall);
 }
 
-/* Writes LANES packed records from particle i on. */
+/* Writes the records of LANES particles from i on, the sums of forces and moments at zero. */
 LANES_INLINE void NAME(pack)(struct particles *p, int i, const real *x, const real *v, const real *omega)
 {
-    double *to = p->packed + (size_t)i * PACKED_STRIDE(DIM, FRICTIONAL);
-    const real zero = real_all(0.0), radius = real_load(p->radius + i);
-    (void)zero;
-    (void)radius;
+    enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL) };
+    double *to = p->record + (size_t)i * STRIDE;
+    const real zero = real_all(0.0), none[4] = {zero, zero, zero, zero};
     (void)omega;
 #if DIM == 2
-    real block[4] = {x[0], x[1], v[0], v[1]};
-    lanes_store4(to, PACKED_STRIDE(DIM, FRICTIONAL), block);
+    const real block[4] = {x[0], x[1], v[0], v[1]};
+    lanes_store4(to, STRIDE, block);
 #if FRICTIONAL
-    real second[4] = {omega[0], radius, zero, zero};
-    lanes_store4(to + 4, PACKED_STRIDE(DIM, FRICTIONAL), second);
+    const real rotation[4] = {omega[0], real_load(p->radius + i), zero, zero};
+    lanes_store4(to + RECORD_ROTATION(2), STRIDE, rotation);
 #endif
 #else
-    real block[4] = {x[0], x[1], x[2], radius}, second[4] = {v[0], v[1], v[2], zero};
-    lanes_store4(to, PACKED_STRIDE(DIM, FRICTIONAL), block);
-    lanes_store4(to + 4, PACKED_STRIDE(DIM, FRICTIONAL), second);
+    const real block[4] = {x[0], x[1], x[2], real_load(p->radius + i)}, second[4] = {v[0], v[1], v[2], zero};
+    lanes_store4(to, STRIDE, block);
+    lanes_store4(to + 4, STRIDE, second);
 #if FRICTIONAL
-    real third[4] = {omega[0], omega[1], omega[2], zero};
-    lanes_store4(to + 8, PACKED_STRIDE(DIM, FRICTIONAL), third);
+    const real rotation[4] = {omega[0], omega[1], omega[2], zero};
+    lanes_store4(to + RECORD_ROTATION(3), STRIDE, rotation);
+    lanes_store4(to + RECORD_MOMENT(3), STRIDE, none);
 #endif
 #endif
+    lanes_store4(to + RECORD_FORCE(DIM), STRIDE, none);
 }
 
 /* x += v dt + a dt^2/2, v and omega predicted for the end of the step; packs the records. */
@@ -416,14 +436,12 @@ static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
 static double NAME(kick)(struct particles *p, const struct kick_constants *constants)
 {
     const real half = real_all(0.5 * constants->dt), gamma_b = real_all(constants->gamma_b);
+    enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL) };
     real power = real_all(0.0);
     for (int i = 0; i < p->count; i += LANES) {
+        const double *record = p->record + (size_t)i * STRIDE;
         real force[4], inv_mass = real_load(p->inv_mass + i), mass = real_load(p->mass + i), v2 = real_all(0.0);
-#if DIM == 2 && !FRICTIONAL
-        lanes_load2(p->force + (size_t)i * FORCE_STRIDE(DIM, FRICTIONAL), force);
-#else
-        lanes_load4(p->force + (size_t)i * FORCE_STRIDE(DIM, FRICTIONAL), FORCE_STRIDE(DIM, FRICTIONAL), force);
-#endif
+        lanes_load4(record + RECORD_FORCE(DIM), STRIDE, force);
         for (int c = 0; c < DIM; c++) {
             real v = real_load(p->v[c] + i), before = real_load(p->a[c] + i);
             real a = (force[c] - gamma_b * v + real_all(constants->gravity[c]) * mass) * inv_mass;
@@ -439,7 +457,7 @@ static double NAME(kick)(struct particles *p, const struct kick_constants *const
         real torque[1] = {force[2]};
 #else
         real torque[4];
-        lanes_load4(p->force + (size_t)i * FORCE_STRIDE(DIM, FRICTIONAL) + 4, FORCE_STRIDE(DIM, FRICTIONAL), torque);
+        lanes_load4(record + RECORD_MOMENT(3), STRIDE, torque);
 #endif
         for (int c = 0; c < SPRINGS; c++) {
             real omega = real_load(p->omega[c] + i), before = real_load(p->alpha[c] + i);

@@ -23,7 +23,7 @@ bool kernel_isa_supported(enum kernel_isa isa)
     __builtin_cpu_init();
     switch (isa) {
     case ISA_avx2:
-        return __builtin_cpu_supports("avx2");
+        return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     case ISA_avx512:
         return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                __builtin_cpu_supports("avx512vl");

@@ -63,12 +63,13 @@ LANES_INLINE bool mask_all(mask m)
 {
     return _mm256_movemask_pd(m) == 0xf;
 }
-LANES_INLINE real real_rsqrt(real x) /* as the reference */
+LANES_INLINE real real_fma(real a, real b, real c)
 {
-    real y = _mm256_cvtps_pd(_mm_div_ps(_mm_set1_ps(1.0f), _mm_sqrt_ps(_mm256_cvtpd_ps(x))));
-    real half = real_all(0.5) * x;
-    y = y * (real_all(1.5) - half * y * y);
-    return y * (real_all(1.5) - half * y * y);
+    return _mm256_fmadd_pd(a, b, c);
+}
+LANES_INLINE real real_rsqrt_seed(real x)
+{
+    return _mm256_cvtps_pd(_mm_div_ps(_mm_set1_ps(1.0f), _mm_sqrt_ps(_mm256_cvtpd_ps(x))));
 }
 LANES_INLINE void lanes_transpose4(__m256d r0, __m256d r1, __m256d r2, __m256d r3, real *column)
 {
@@ -79,11 +80,10 @@ LANES_INLINE void lanes_transpose4(__m256d r0, __m256d r1, __m256d r2, __m256d r
     column[2] = _mm256_permute2f128_pd(lo01, lo23, 0x31);
     column[3] = _mm256_permute2f128_pd(hi01, hi23, 0x31);
 }
-LANES_INLINE void lanes_gather4(const double *base, int stride, const int32_t *at, real *column)
+LANES_INLINE void lanes_gather4(const double *base, const uint32_t *row, real *column)
 {
-    lanes_transpose4(_mm256_loadu_pd(base + stride * (size_t)at[0]), _mm256_loadu_pd(base + stride * (size_t)at[1]),
-                     _mm256_loadu_pd(base + stride * (size_t)at[2]), _mm256_loadu_pd(base + stride * (size_t)at[3]),
-                     column);
+    lanes_transpose4(_mm256_loadu_pd(base + row[0]), _mm256_loadu_pd(base + row[1]), _mm256_loadu_pd(base + row[2]),
+                     _mm256_loadu_pd(base + row[3]), column);
 }
 LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
 {
@@ -92,39 +92,30 @@ LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
     for (int r = 0; r < 4; r++)
         _mm256_storeu_pd(to + stride * r, row[r]);
 }
-LANES_INLINE void lanes_load2(const double *from, real *column)
-{
-    __m256d a = _mm256_loadu_pd(from), b = _mm256_loadu_pd(from + 4);
-    __m256d front = _mm256_permute2f128_pd(a, b, 0x20), back = _mm256_permute2f128_pd(a, b, 0x31);
-    column[0] = _mm256_unpacklo_pd(front, back);
-    column[1] = _mm256_unpackhi_pd(front, back);
-}
 LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
 {
     lanes_transpose4(_mm256_loadu_pd(from), _mm256_loadu_pd(from + stride), _mm256_loadu_pd(from + 2 * stride),
                      _mm256_loadu_pd(from + 3 * stride), column);
 }
-LANES_INLINE void lanes_add_row2(double *into, int32_t i, int32_t j, __m128d row)
+LANES_INLINE void lanes_add_row2(double *to_i, double *to_j, __m128d row)
 {
-    double *to_i = into + 2 * (size_t)i, *to_j = into + 2 * (size_t)j;
     _mm_storeu_pd(to_i, _mm_add_pd(_mm_loadu_pd(to_i), row));
     _mm_storeu_pd(to_j, _mm_sub_pd(_mm_loadu_pd(to_j), row));
 }
-LANES_INLINE void lanes_add2(double *into, const int32_t *i, const int32_t *j, const real *column)
+LANES_INLINE void lanes_add2(double *base, const uint32_t *i, const uint32_t *j, const real *column)
 {
     __m256d even = _mm256_unpacklo_pd(column[0], column[1]), odd = _mm256_unpackhi_pd(column[0], column[1]);
-    lanes_add_row2(into, i[0], j[0], _mm256_castpd256_pd128(even));
-    lanes_add_row2(into, i[1], j[1], _mm256_castpd256_pd128(odd));
-    lanes_add_row2(into, i[2], j[2], _mm256_extractf128_pd(even, 1));
-    lanes_add_row2(into, i[3], j[3], _mm256_extractf128_pd(odd, 1));
+    lanes_add_row2(base + i[0], base + j[0], _mm256_castpd256_pd128(even));
+    lanes_add_row2(base + i[1], base + j[1], _mm256_castpd256_pd128(odd));
+    lanes_add_row2(base + i[2], base + j[2], _mm256_extractf128_pd(even, 1));
+    lanes_add_row2(base + i[3], base + j[3], _mm256_extractf128_pd(odd, 1));
 }
-LANES_INLINE void lanes_add4(double *into, int stride, const int32_t *i, const int32_t *j, const real *column,
-                             const double *sign)
+LANES_INLINE void lanes_add4(double *base, const uint32_t *i, const uint32_t *j, const real *column, const double *sign)
 {
     real row[4], signs = _mm256_loadu_pd(sign);
     lanes_transpose4(column[0], column[1], column[2], column[3], row);
     for (int r = 0; r < LANES; r++) {
-        double *to_i = into + stride * (size_t)i[r], *to_j = into + stride * (size_t)j[r];
+        double *to_i = base + i[r], *to_j = base + j[r];
         _mm256_storeu_pd(to_i, _mm256_loadu_pd(to_i) + row[r]);
         _mm256_storeu_pd(to_j, _mm256_loadu_pd(to_j) + signs * row[r]);
     }

@@ -63,12 +63,13 @@ LANES_INLINE bool mask_all(mask m)
 {
     return m == 0xff;
 }
-LANES_INLINE real real_rsqrt(real x) /* as the reference */
+LANES_INLINE real real_fma(real a, real b, real c)
 {
-    real y = _mm512_cvtps_pd(_mm256_div_ps(_mm256_set1_ps(1.0f), _mm256_sqrt_ps(_mm512_cvtpd_ps(x))));
-    real half = real_all(0.5) * x;
-    y = y * (real_all(1.5) - half * y * y);
-    return y * (real_all(1.5) - half * y * y);
+    return _mm512_fmadd_pd(a, b, c);
+}
+LANES_INLINE real real_rsqrt_seed(real x)
+{
+    return _mm512_cvtps_pd(_mm256_div_ps(_mm256_set1_ps(1.0f), _mm256_sqrt_ps(_mm512_cvtpd_ps(x))));
 }
 /* Two records of 4 doubles in one register. */
 LANES_INLINE __m512d lanes_two(const double *low, const double *high)
@@ -85,13 +86,10 @@ LANES_INLINE void lanes_transpose4(__m512d r02, __m512d r13, __m512d r46, __m512
     column[2] = _mm512_shuffle_f64x2(lo0, lo4, 0xdd);
     column[3] = _mm512_shuffle_f64x2(hi0, hi4, 0xdd);
 }
-LANES_INLINE void lanes_gather4(const double *base, int stride, const int32_t *at, real *column)
+LANES_INLINE void lanes_gather4(const double *base, const uint32_t *row, real *column)
 {
-    const double *row[LANES];
-    for (int r = 0; r < LANES; r++)
-        row[r] = base + stride * (size_t)at[r];
-    lanes_transpose4(lanes_two(row[0], row[2]), lanes_two(row[1], row[3]), lanes_two(row[4], row[6]),
-                     lanes_two(row[5], row[7]), column);
+    lanes_transpose4(lanes_two(base + row[0], base + row[2]), lanes_two(base + row[1], base + row[3]),
+                     lanes_two(base + row[4], base + row[6]), lanes_two(base + row[5], base + row[7]), column);
 }
 LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
 {
@@ -124,48 +122,38 @@ LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
     lanes_store_two(to + 4 * stride, to + 6 * stride, rows[2]);
     lanes_store_two(to + 5 * stride, to + 7 * stride, rows[3]);
 }
-LANES_INLINE void lanes_add_row2(double *into, int32_t i, int32_t j, __m128d row)
+LANES_INLINE void lanes_add_row2(double *to_i, double *to_j, __m128d row)
 {
-    double *to_i = into + 2 * (size_t)i, *to_j = into + 2 * (size_t)j;
     _mm_storeu_pd(to_i, _mm_add_pd(_mm_loadu_pd(to_i), row));
     _mm_storeu_pd(to_j, _mm_sub_pd(_mm_loadu_pd(to_j), row));
 }
-LANES_INLINE void lanes_add2(double *into, const int32_t *i, const int32_t *j, const real *column)
+LANES_INLINE void lanes_add2(double *base, const uint32_t *i, const uint32_t *j, const real *column)
 {
     __m512d even = _mm512_unpacklo_pd(column[0], column[1]), odd = _mm512_unpackhi_pd(column[0], column[1]);
-    lanes_add_row2(into, i[0], j[0], _mm512_extractf64x2_pd(even, 0));
-    lanes_add_row2(into, i[1], j[1], _mm512_extractf64x2_pd(odd, 0));
-    lanes_add_row2(into, i[2], j[2], _mm512_extractf64x2_pd(even, 1));
-    lanes_add_row2(into, i[3], j[3], _mm512_extractf64x2_pd(odd, 1));
-    lanes_add_row2(into, i[4], j[4], _mm512_extractf64x2_pd(even, 2));
-    lanes_add_row2(into, i[5], j[5], _mm512_extractf64x2_pd(odd, 2));
-    lanes_add_row2(into, i[6], j[6], _mm512_extractf64x2_pd(even, 3));
-    lanes_add_row2(into, i[7], j[7], _mm512_extractf64x2_pd(odd, 3));
+    lanes_add_row2(base + i[0], base + j[0], _mm512_extractf64x2_pd(even, 0));
+    lanes_add_row2(base + i[1], base + j[1], _mm512_extractf64x2_pd(odd, 0));
+    lanes_add_row2(base + i[2], base + j[2], _mm512_extractf64x2_pd(even, 1));
+    lanes_add_row2(base + i[3], base + j[3], _mm512_extractf64x2_pd(odd, 1));
+    lanes_add_row2(base + i[4], base + j[4], _mm512_extractf64x2_pd(even, 2));
+    lanes_add_row2(base + i[5], base + j[5], _mm512_extractf64x2_pd(odd, 2));
+    lanes_add_row2(base + i[6], base + j[6], _mm512_extractf64x2_pd(even, 3));
+    lanes_add_row2(base + i[7], base + j[7], _mm512_extractf64x2_pd(odd, 3));
 }
 LANES_INLINE void lanes_add_row4(double *to_i, double *to_j, __m256d row, __m256d sign)
 {
     _mm256_storeu_pd(to_i, _mm256_loadu_pd(to_i) + row);
     _mm256_storeu_pd(to_j, _mm256_loadu_pd(to_j) + sign * row);
 }
-LANES_INLINE void lanes_add4(double *into, int stride, const int32_t *i, const int32_t *j, const real *column,
-                             const double *sign)
+LANES_INLINE void lanes_add4(double *base, const uint32_t *i, const uint32_t *j, const real *column, const double *sign)
 {
-    static const int register_of[LANES] = {0, 1, 0, 1, 2, 3, 2, 3};
     __m512d rows[4];
     __m256d signs = _mm256_loadu_pd(sign);
     lanes_rows4(column, rows);
-    for (int r = 0; r < LANES; r++) {
-        __m512d both = rows[register_of[r]];
+    for (int r = 0; r < LANES; r++) { /* unrolled: rows[] holds 0|2, 1|3, 4|6, 5|7 */
+        __m512d both = rows[(r & 1) + (r & 4) / 2];
         __m256d row = r & 2 ? _mm512_extractf64x4_pd(both, 1) : _mm512_castpd512_pd256(both);
-        lanes_add_row4(into + stride * (size_t)i[r], into + stride * (size_t)j[r], row, signs);
+        lanes_add_row4(base + i[r], base + j[r], row, signs);
     }
-}
-LANES_INLINE void lanes_load2(const double *from, real *column)
-{
-    const __m512i even = _mm512_set_epi64(14, 12, 10, 8, 6, 4, 2, 0), odd = _mm512_set_epi64(15, 13, 11, 9, 7, 5, 3, 1);
-    __m512d a = _mm512_loadu_pd(from), b = _mm512_loadu_pd(from + 8);
-    column[0] = _mm512_permutex2var_pd(a, even, b);
-    column[1] = _mm512_permutex2var_pd(a, odd, b);
 }
 LANES_INLINE double real_sum(real x)
 {

@@ -63,57 +63,50 @@ LANES_INLINE bool mask_all(mask m)
 {
     return m != 0;
 }
-/* 1/sqrt(x) to about one unit in the last place from single-precision square root and division, both exactly rounded
- * everywhere, and two Newton steps: the same bits in every instruction set, and much cheaper than in double. */
-LANES_INLINE real real_rsqrt(real x)
+/* a b + c with one rounding. */
+LANES_INLINE real real_fma(real a, real b, real c)
 {
-    real y = 1.0f / sqrtf((float)x);
-    real half = 0.5 * x;
-    y = y * (1.5 - half * y * y);
-    return y * (1.5 - half * y * y);
+    return fma(a, b, c);
 }
-/* Columns of records of 4 doubles, at rows at[0 ... LANES-1] of `stride` doubles. */
-LANES_INLINE void lanes_gather4(const double *base, int stride, const int32_t *at, real *column)
+/* 1/sqrt(x) in single precision, from square root and division that are exactly rounded everywhere. */
+LANES_INLINE real real_rsqrt_seed(real x)
+{
+    return 1.0f / sqrtf((float)x);
+}
+/* Columns of records of 4 doubles that start at base + row[lane]. */
+LANES_INLINE void lanes_gather4(const double *base, const uint32_t *row, real *column)
 {
     for (int c = 0; c < 4; c++)
-        column[c] = base[stride * (size_t)at[0] + (size_t)c];
+        column[c] = base[row[0] + (size_t)c];
 }
-/* Writes LANES consecutive records of 4 doubles. */
-LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
-{
-    (void)stride;
-    for (int c = 0; c < 4; c++)
-        to[c] = column[c];
-}
-/* Reads LANES consecutive records of 2 or 4 doubles, without gaps. */
-LANES_INLINE void lanes_load2(const double *from, real *column)
-{
-    column[0] = from[0];
-    column[1] = from[1];
-}
+/* The same for LANES records, one after the other with `stride` doubles from one to the next. */
 LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
 {
     (void)stride;
     for (int c = 0; c < 4; c++)
         column[c] = from[c];
 }
-/* Adds the records (column[0], column[1]) to those at i of `into` and subtracts them from those at j, in the order of
- * the lanes. */
-LANES_INLINE void lanes_add2(double *into, const int32_t *i, const int32_t *j, const real *column)
+LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
 {
-    for (int c = 0; c < 2; c++)
-        into[2 * (size_t)i[0] + (size_t)c] += column[c];
-    for (int c = 0; c < 2; c++)
-        into[2 * (size_t)j[0] + (size_t)c] -= column[c];
+    (void)stride;
+    for (int c = 0; c < 4; c++)
+        to[c] = column[c];
 }
-/* The same for records of 4 with `stride` doubles between them; sign[c] (1 or -1) is how column c counts at j. */
-LANES_INLINE void lanes_add4(double *into, int stride, const int32_t *i, const int32_t *j, const real *column,
-                             const double *sign)
+/* Adds (column[0], column[1]) to the records of 2 at base + i[lane] and subtracts it at j, in the order of the lanes. */
+LANES_INLINE void lanes_add2(double *base, const uint32_t *i, const uint32_t *j, const real *column)
+{
+    for (int c = 0; c < 2; c++)
+        base[i[0] + (size_t)c] += column[c];
+    for (int c = 0; c < 2; c++)
+        base[j[0] + (size_t)c] -= column[c];
+}
+/* The same for records of 4; sign[c] (1 or -1) is how column c counts at j. */
+LANES_INLINE void lanes_add4(double *base, const uint32_t *i, const uint32_t *j, const real *column, const double *sign)
 {
     for (int c = 0; c < 4; c++)
-        into[stride * (size_t)i[0] + (size_t)c] += column[c];
+        base[i[0] + (size_t)c] += column[c];
     for (int c = 0; c < 4; c++)
-        into[stride * (size_t)j[0] + (size_t)c] += sign[c] * column[c];
+        base[j[0] + (size_t)c] += sign[c] * column[c];
 }
 LANES_INLINE double real_sum(real x)
 {

@@ -72,32 +72,60 @@ double measure_potential_energy_j(const struct world *world)
     return sum;
 }
 
-/* Spring at the current step: it is kept for the middle of the step to come. */
-static double spring_energy(const struct world *world, int l, int k, const struct geometry *g)
+/* What one contact does at the current step, from the state alone, so that the kernels need not keep it. Force on i and
+ * its tangential part [N], elastic part of the normal force, energy in the tangential spring. */
+struct contact_forces {
+    double total[3], tangential[3];
+    double normal, elastic, spring_energy;
+};
+
+/* Velocity of i against j or the wall at the contact: normal part u, tangential part vt (2D: vt[0] along (-n1, n0)). */
+static double relative_velocity(const struct world *world, int l, int k, const double *n, double *vt)
 {
     const struct particles *p = &world->particles;
     const struct contact_list *list = list_of(world, l);
+    const struct wall *wall = l > 0 ? &world->walls[l - 1] : NULL;
     int i = list->i[k], j = list->j[k];
-    bool pair = l == 0;
-    double v[3] = {0}, w[3] = {0}, vt[3], sum = 0;
-    for (int c = 0; c < p->dimension; c++)
-        v[c] = p->v[c][i] - (pair ? p->v[c][j] : 0);
+    double v[3] = {0}, w[3] = {0}, u = 0;
+    for (int c = 0; c < p->dimension; c++) {
+        v[c] = p->v[c][i] - (!wall ? p->v[c][j] : wall->axis == c ? wall->v : 0);
+        u += v[c] * n[c];
+    }
     for (int c = 0; c < p->n_rotations; c++)
-        w[c] = p->radius[i] * p->omega[c][i] + (pair ? p->radius[j] * p->omega[c][j] : 0);
-    const double *n = g->n;
+        w[c] = p->radius[i] * p->omega[c][i] + (wall ? 0 : p->radius[j] * p->omega[c][j]);
     if (p->dimension == 2) {
         vt[0] = v[1] * n[0] - v[0] * n[1] - w[0];
     } else {
-        double u = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
         vt[0] = v[0] + (n[1] * w[2] - n[2] * w[1]) - u * n[0];
         vt[1] = v[1] + (n[2] * w[0] - n[0] * w[2]) - u * n[1];
         vt[2] = v[2] + (n[0] * w[1] - n[1] * w[0]) - u * n[2];
     }
+    return u;
+}
+
+static struct contact_forces contact_forces(const struct world *world, int l, int k, const struct geometry *g)
+{
+    const struct contact_list *list = list_of(world, l);
+    const struct contact_law_constants *law = &world->law;
+    const double *n = g->n;
+    struct contact_forces f = {0};
+    double vt[3], ft[3], u = relative_velocity(world, l, k, n, vt);
+    f.elastic = list->hysteretic ? contact_elastic_force(law, g->overlap, list->history[k]) : law->k1 * g->overlap;
+    f.normal = f.elastic - law->gamma_n * u;
     for (int c = 0; c < list->n_springs; c++) {
-        double xi = list->spring[c][k] - 0.5 * world->dt * vt[c];
-        sum += xi * xi;
+        double xi = list->spring[c][k] - 0.5 * world->dt * vt[c]; /* it is kept for the middle of the step to come */
+        ft[c] = -law->kt * xi - law->gamma_t * vt[c];
+        f.spring_energy += 0.5 * law->kt * xi * xi;
     }
-    return 0.5 * world->law.kt * sum;
+    if (list->n_springs == 1) {
+        f.tangential[0] = -ft[0] * n[1];
+        f.tangential[1] = ft[0] * n[0];
+    } else if (list->n_springs == 3) {
+        memcpy(f.tangential, ft, sizeof ft);
+    }
+    for (int c = 0; c < world->particles.dimension; c++)
+        f.total[c] = f.normal * n[c] + f.tangential[c];
+    return f;
 }
 
 static void add_elastic(const struct world *world, int l, struct elastic_energy *sum)
@@ -107,11 +135,9 @@ static void add_elastic(const struct world *world, int l, struct elastic_energy 
         struct geometry g = geometry_of(world, l, k);
         if (!(g.overlap > 0))
             continue;
-        double f = list->hysteretic ? contact_elastic_force(&world->law, g.overlap, list->history[k])
-                                    : world->law.k1 * g.overlap;
-        sum->normal_j += f * f / (2 * world->law.k2);
-        if (list->n_springs)
-            sum->tangential_j += spring_energy(world, l, k, &g);
+        struct contact_forces f = contact_forces(world, l, k, &g);
+        sum->normal_j += f.elastic * f.elastic / (2 * world->law.k2);
+        sum->tangential_j += f.spring_energy;
     }
 }
 
@@ -149,6 +175,7 @@ static void add_contacts(const struct world *world, int l, struct measurement *m
         struct geometry g = geometry_of(world, l, k);
         if (!(g.overlap > 0))
             continue;
+        struct contact_forces f = contact_forces(world, l, k, &g);
         double smaller_radius = pair ? fmin(p->radius[list->i[k]], p->radius[list->j[k]]) : p->radius[list->i[k]];
         m->max_overlap_ratio = fmax(m->max_overlap_ratio, g.overlap / smaller_radius);
         *sliding += list->n_springs && list->sliding[k] > 0;
@@ -156,7 +183,7 @@ static void add_contacts(const struct world *world, int l, struct measurement *m
         m->n_wall_contacts += !pair;
         for (int a = 0; a < dim; a++)
             for (int b = 0; b < dim; b++) {
-                m->stress_contact_pa[a * dim + b] += list->force[a][k] * g.n[b] * g.distance;
+                m->stress_contact_pa[a * dim + b] += f.total[a] * g.n[b] * g.distance;
                 m->fabric[a * dim + b] += pair ? g.n[a] * g.n[b] : 0;
             }
     }
@@ -292,19 +319,16 @@ static void fill_contact(const struct world *world, int l, int k, const struct g
 {
     const struct contact_list *list = list_of(world, l);
     const int dim = world->particles.dimension;
-    double normal_force = 0;
-    memset(out, 0, sizeof *out);
-    out->i = list->i[k];
-    out->j = l == 0 ? list->j[k] : -l;
-    out->overlap_m = g->overlap;
-    for (int c = 0; c < dim; c++)
-        normal_force += list->force[c][k] * g->n[c];
-    out->normal_force_n = normal_force;
+    struct contact_forces f = contact_forces(world, l, k, g);
+    *out = (struct contact_measurement){.i = list->i[k],
+                                        .j = l == 0 ? list->j[k] : -l,
+                                        .overlap_m = g->overlap,
+                                        .normal_force_n = f.normal,
+                                        .sliding = list->n_springs && list->sliding[k] > 0};
     for (int c = 0; c < dim; c++) {
         out->normal[c] = g->n[c];
-        out->tangential_force_n[c] = list->force[c][k] - normal_force * g->n[c];
+        out->tangential_force_n[c] = f.tangential[c];
     }
-    out->sliding = list->n_springs && list->sliding[k] > 0;
 }
 
 int measure_contacts(const struct world *world, struct contact_measurement *out)

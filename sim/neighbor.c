@@ -25,6 +25,7 @@ enum status neighbor_init(struct neighbor *nb, const struct particles *p, double
     nb->skin = skin_m;
     list_model(&nb->spare_pairs, p, hysteretic);
     list_model(&nb->spare_wall, p, hysteretic);
+    nb->spare_wall.keep_forces = true;
     size_t count = (size_t)p->count;
     TRY(array_resize(&nb->cell_of, sizeof(int32_t), count, 0));
     TRY(array_resize(&nb->by_cell, sizeof(int32_t), count, 0));
@@ -210,7 +211,8 @@ static enum status build_pairs(struct neighbor *nb, const struct particles *p, s
                 clear_history(fresh, k);
         }
     }
-    contact_list_pad(fresh, p->count);
+    contact_list_close(fresh, p);
+    fresh->keep_forces = pairs->keep_forces;
     struct contact_list swap = *pairs;
     *pairs = *fresh;
     *fresh = swap;
@@ -239,7 +241,7 @@ static enum status build_wall(struct neighbor *nb, const struct particles *p, st
         else
             clear_history(fresh, k);
     }
-    contact_list_pad(fresh, p->count);
+    contact_list_close(fresh, p);
     struct contact_list swap = *contacts;
     *contacts = *fresh;
     *fresh = swap;
