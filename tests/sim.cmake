@@ -3,12 +3,20 @@ add_library(sim_fixture STATIC ${CMAKE_CURRENT_LIST_DIR}/sim_fixture.c)
 target_link_libraries(sim_fixture PUBLIC shakedown_sim PkgConfig::CMOCKA)
 target_include_directories(sim_fixture PUBLIC ${CMAKE_CURRENT_LIST_DIR})
 
-foreach(part contact sample)
+foreach(part_label contact:physics sample:physics kernels:kernel)
+  string(REPLACE ":" ";" part_label ${part_label})
+  list(GET part_label 0 part)
+  list(GET part_label 1 label)
   add_executable(test_sim_${part} ${CMAKE_CURRENT_LIST_DIR}/test_sim_${part}.c)
   target_link_libraries(test_sim_${part} PRIVATE sim_fixture)
+  add_test(NAME sim_${part} COMMAND test_sim_${part})
+  set_tests_properties(sim_${part} PROPERTIES LABELS ${label} TIMEOUT 120)
 endforeach()
 
-foreach(part contact sample)
-  add_test(NAME sim_${part} COMMAND test_sim_${part})
-  set_tests_properties(sim_${part} PROPERTIES LABELS physics TIMEOUT 120)
-endforeach()
+# The real processes. 125: no private network namespace to be had here; in_namespace.sh says why.
+add_executable(test_sim_pipeline ${CMAKE_CURRENT_LIST_DIR}/test_sim_pipeline.c)
+target_link_libraries(test_sim_pipeline PRIVATE shakedown_common PkgConfig::CMOCKA)
+add_test(NAME sim_pipeline
+         COMMAND ${CMAKE_CURRENT_LIST_DIR}/in_namespace.sh $<TARGET_FILE:test_sim_pipeline> $<TARGET_FILE:sim>
+                 $<TARGET_FILE:wallctl> $<TARGET_FILE:recorder> ${CMAKE_CURRENT_LIST_DIR}/scenes/small.cfg)
+set_tests_properties(sim_pipeline PROPERTIES LABELS "pipeline;replay;fault" TIMEOUT 180 SKIP_RETURN_CODE 125)

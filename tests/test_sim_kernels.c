@@ -1,0 +1,422 @@
+/* Every kernel of every instruction set that this CPU runs against the reference, bit for bit, on inputs biased to all
+ * branches; the sums of losses to rounding; and nothing written behind the arrays. */
+#include "sim_fixture.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/kernels.h"
+#include "sim/memory.h"
+#include "sim/random.h"
+
+enum { WIDEST = 8, CONTACTS_MAX = 2 * WIDEST + 1, REPEATS = 3 };
+
+struct model {
+    int dimension, hysteretic, frictional;
+};
+
+/* All that kernels read and write. */
+struct bench {
+    struct particles p;
+    struct contact_list pairs;
+    struct wall wall;
+    struct contact_law_constants law;
+    struct contact_losses losses;
+};
+
+static const double canary = -7.25e77;
+
+static int whole_vectors(int count)
+{
+    return (count + WIDEST - 1) / WIDEST * WIDEST;
+}
+
+static double between(struct random *random, double lo, double hi)
+{
+    return lo + (hi - lo) * random_uniform(random);
+}
+
+static int one_of(struct random *random, int n)
+{
+    return (int)(n * random_uniform(random));
+}
+
+static double choose(struct random *random, const double *list, int n)
+{
+    return list[one_of(random, n)];
+}
+#define CHOOSE(random, ...)                                                                                            \
+    choose(random, (const double[]){__VA_ARGS__}, (int)(sizeof((double[]){__VA_ARGS__}) / sizeof(double)))
+
+/* kc = 0, k1 = k2, mu = 0 and above 1, kt = 0 (a stage without friction in a scene with it), dt = 0 (forces anew). */
+static struct contact_law_constants random_law(struct random *random, struct model model)
+{
+    double k2 = 1e5, mu = CHOOSE(random, 0, 0.3, 0.3, 1.5);
+    struct scene_material m = {
+        .law = model.hysteretic ? LAW_HYSTERETIC : LAW_LINEAR,
+        .kn_n_per_m = k2,
+        .k1_n_per_m = k2 * CHOOSE(random, 0.1, 0.5, 1),
+        .k2_n_per_m = k2,
+        .kc_n_per_m = k2 * CHOOSE(random, 0, 0.5, 4),
+        .gamma_n_kg_per_s = CHOOSE(random, 0, 0.1),
+        .mu_s = mu,
+        .mu_d = mu * CHOOSE(random, 0.5, 1),
+        .kt_n_per_m = CHOOSE(random, 0, 2e4, 2e4),
+        .gamma_t_kg_per_s = CHOOSE(random, 0, 0.05),
+    };
+    struct contact_law_constants law = contact_law_constants_of(&m);
+    law.dt = CHOOSE(random, 0, 1e-6, 1e-6);
+    return law;
+}
+
+static void random_particles(struct particles *p, int count, struct model model, struct random *random)
+{
+    must(particles_init(p, count, model.dimension, model.frictional));
+    double speed = CHOOSE(random, 0, 0.1, 1);
+    for (int i = 0; i < count; i++) {
+        p->radius[i] = between(random, 0.5e-3, 1.5e-3);
+        for (int c = 0; c < model.dimension; c++) {
+            p->x[c][i] = p->x_list[c][i] = 1e-3 * i * (c == 0) + between(random, 0, 5e-4);
+            p->v[c][i] = between(random, -speed, speed);
+            p->a[c][i] = between(random, -100, 100);
+        }
+        for (int c = 0; c < p->n_rotations; c++) {
+            p->omega[c][i] = between(random, -1e3 * speed, 1e3 * speed);
+            p->alpha[c][i] = between(random, -100, 100);
+        }
+    }
+    particles_set_mass(p, 2000);
+}
+
+/* Open, exactly or barely touching, small, common and large overlaps [m]. */
+static double random_overlap(struct random *random)
+{
+    return CHOOSE(random, -1e-4, -1e-18, 0, 1e-18, 1e-9, 1e-6, 1e-5, 1e-5, 1e-4) * CHOOSE(random, 1, 1, 0.7);
+}
+
+/* History for each branch: none, as loaded, unloading, below delta_0, deep on the adhesion branch, on its edge. */
+static double random_history(const struct contact_law_constants *law, double overlap, struct random *random)
+{
+    double d = fabs(overlap);
+    return CHOOSE(random, 0, d, 1.1 * d, 2 * d, 10 * d, law->branch_ratio * d, 1e-5);
+}
+
+static void random_state(struct contact_list *list, int k, const struct contact_law_constants *law, double overlap,
+                         struct random *random)
+{
+    double size = CHOOSE(random, 0, 1e-9, 1e-7, 1e-5, 1e-3); /* from none over sticking to sliding */
+    if (list->hysteretic)
+        list->history[k] = random_history(law, overlap, random);
+    if (list->n_springs)
+        list->sliding[k] = one_of(random, 2);
+    for (int c = 0; c < list->n_springs; c++)
+        list->spring[c][k] = between(random, -size, size);
+}
+
+static void list_init(struct contact_list *list, int count, struct model model)
+{
+    list->hysteretic = model.hysteretic;
+    list->keep_forces = true;
+    list->n_springs = !model.frictional ? 0 : model.dimension == 2 ? 1 : 3;
+    must(contact_list_reserve(list, count + 1, model.dimension));
+    list->count = count;
+}
+
+static double distance_of(const struct particles *p, int i, int j)
+{
+    double d2 = 0;
+    for (int c = 0; c < p->dimension; c++)
+        d2 += (p->x[c][i] - p->x[c][j]) * (p->x[c][i] - p->x[c][j]);
+    return sqrt(d2);
+}
+
+/* Pairs of any two particles: `reach` is set so that they overlap as wanted. */
+static void random_pairs(struct bench *b, int count, struct model model, struct random *random)
+{
+    list_init(&b->pairs, count, model);
+    for (int k = 0; k < count; k++) {
+        int i = one_of(random, b->p.count - 1), j = i + 1 + one_of(random, b->p.count - 1 - i);
+        double overlap = random_overlap(random);
+        b->pairs.i[k] = i;
+        b->pairs.j[k] = j;
+        b->pairs.reach[k] = distance_of(&b->p, i, j) + overlap;
+        random_state(&b->pairs, k, &b->law, overlap, random);
+    }
+    contact_list_close(&b->pairs, &b->p);
+}
+
+/* Contacts of a wall, at most one per particle; every other one touches. */
+static void random_wall(struct bench *b, int count, struct model model, struct random *random)
+{
+    struct contact_list *list = &b->wall.contacts;
+    int axis = one_of(random, model.dimension);
+    b->wall.axis = axis;
+    b->wall.inward = one_of(random, 2) ? 1 : -1;
+    b->wall.v = between(random, -0.1, 0.1);
+    b->wall.x = b->p.x[axis][b->p.count / 2] - b->wall.inward * 1e-3;
+    count = count < b->p.count ? count : b->p.count;
+    list_init(list, count, model);
+    for (int k = 0; k < count; k++) {
+        list->i[k] = k;
+        list->j[k] = b->p.count;
+        double overlap = b->p.radius[k] - b->wall.inward * (b->p.x[axis][k] - b->wall.x);
+        random_state(list, k, &b->law, overlap, random);
+    }
+    contact_list_close(list, &b->p);
+}
+
+static void guard(double *array, int count, int capacity)
+{
+    for (int k = whole_vectors(count); array && k < capacity + ARRAY_PADDING; k++)
+        array[k] = canary;
+}
+
+static void guard_check(const double *array, int count, int capacity)
+{
+    for (int k = whole_vectors(count); array && k < capacity + ARRAY_PADDING; k++)
+        assert_memory_equal(&array[k], &canary, sizeof canary);
+}
+
+static void guard_list(struct contact_list *list, void (*each)(double *array, int count, int capacity))
+{
+    each(list->history, list->count, list->capacity);
+    each(list->sliding, list->count, list->capacity);
+    for (int c = 0; c < 3; c++) {
+        each(list->spring[c], list->count, list->capacity);
+        each(list->force[c], list->count, list->capacity);
+        each(list->moment[c], list->count, list->capacity);
+    }
+}
+
+static void check_each(double *array, int count, int capacity)
+{
+    guard_check(array, count, capacity);
+}
+
+/* The padding particles stand right behind the last one. */
+static void guard_particles(struct particles *p, void (*each)(double *array, int count, int capacity))
+{
+    for (int c = 0; c < 3; c++) {
+        each(p->x[c], p->count + 2, p->count);
+        each(p->v[c], p->count + 2, p->count);
+        each(p->a[c], p->count + 2, p->count);
+        each(p->omega[c], p->count + 2, p->count);
+        each(p->alpha[c], p->count + 2, p->count);
+    }
+}
+
+/* The same seed makes the same bench. */
+static struct bench bench_of(uint64_t seed, int count, struct model model)
+{
+    struct random random;
+    struct bench b = {0};
+    random_init(&random, seed);
+    b.law = random_law(&random, model);
+    random_particles(&b.p, 2 + one_of(&random, 20), model, &random);
+    random_pairs(&b, count, model, &random);
+    random_wall(&b, count, model, &random);
+    guard_list(&b.pairs, guard);
+    guard_list(&b.wall.contacts, guard);
+    guard_particles(&b.p, guard);
+    return b;
+}
+
+static void bench_free(struct bench *b)
+{
+    particles_free(&b->p);
+    contact_list_free(&b->pairs);
+    contact_list_free(&b->wall.contacts);
+}
+
+static void same_bits(const char *what, const double *a, const double *b, int count)
+{
+    for (int k = 0; a && k < count; k++)
+        if (memcmp(&a[k], &b[k], sizeof *a) != 0)
+            fail_msg("%s[%d]: %.17g, the reference says %.17g", what, k, a[k], b[k]);
+}
+
+static void lists_compare(const struct contact_list *a, const struct contact_list *b)
+{
+    same_bits("history", a->history, b->history, a->count);
+    same_bits("sliding", a->sliding, b->sliding, a->count);
+    for (int c = 0; c < 3; c++) {
+        same_bits("force", a->force[c], b->force[c], a->count);
+        same_bits("spring", a->spring[c], b->spring[c], a->count);
+        same_bits("moment", a->moment[c], b->moment[c], a->count);
+    }
+}
+
+static void particles_compare(const struct particles *a, const struct particles *b)
+{
+    for (int c = 0; c < 3; c++) {
+        same_bits("x", a->x[c], b->x[c], a->count);
+        same_bits("v", a->v[c], b->v[c], a->count);
+        same_bits("a", a->a[c], b->a[c], a->count);
+        same_bits("omega", a->omega[c], b->omega[c], a->count);
+        same_bits("alpha", a->alpha[c], b->alpha[c], a->count);
+    }
+}
+
+/* Sum of the sizes of the terms of each loss: contact by contact, with the reference. The bench is used up. */
+static struct contact_losses loss_sizes(struct bench *b, const struct kernels *kernels)
+{
+    struct contact_losses sizes = {0};
+    for (int k = 0; k < b->pairs.count; k++) {
+        struct contact_losses one = {0};
+        struct contact_list list = b->pairs;
+        list.count = 1;
+        list.i += k;
+        list.j += k;
+        list.row_i += k;
+        list.row_j += k;
+        list.reach += k;
+        list.history += list.history ? k : 0;
+        list.sliding += list.sliding ? k : 0;
+        for (int c = 0; c < 3; c++) {
+            list.force[c] += list.force[c] ? k : 0;
+            list.spring[c] += list.spring[c] ? k : 0;
+            list.moment[c] += list.moment[c] ? k : 0;
+        }
+        kernels->pair(&b->p, &list, &b->law, &one);
+        sizes.hysteresis += fabs(one.hysteresis);
+        sizes.viscous_normal += fabs(one.viscous_normal);
+        sizes.viscous_tangential += fabs(one.viscous_tangential);
+        sizes.friction += fabs(one.friction);
+    }
+    return sizes;
+}
+
+/* n terms summed in two orders differ by at most 2 n eps sum |term|; one loss is itself a sum over SPRINGS. */
+static void losses_compare(const struct contact_losses *a, const struct contact_losses *b,
+                           const struct contact_losses *sizes)
+{
+    const double allowed = 2 * (CONTACTS_MAX + 1) * DBL_EPSILON;
+    assert_close("hysteresis", a->hysteresis, b->hysteresis, allowed * sizes->hysteresis);
+    assert_close("viscous normal", a->viscous_normal, b->viscous_normal, allowed * sizes->viscous_normal);
+    assert_close("viscous tangential", a->viscous_tangential, b->viscous_tangential,
+                 allowed * sizes->viscous_tangential);
+    assert_close("friction", a->friction, b->friction, allowed * sizes->friction);
+}
+
+/* A force evaluation and a step, as in integrate.c. */
+static bool step(struct bench *b, const struct kernels *kernels, bool pairs_only)
+{
+    struct kick_constants kick = {.dt = b->law.dt, .gamma_b = 0.01, .gamma_br = 0.02, .gravity = {0, -9.81, 3}};
+    struct contact_losses of_wall = {0};
+    memset(&b->losses, 0, sizeof b->losses);
+    kernels->pair(&b->p, &b->pairs, &b->law, &b->losses);
+    if (pairs_only)
+        return false;
+    kernels->wall(&b->p, &b->wall, &b->law, &of_wall);
+    (void)kernels->kick(&b->p, &kick);
+    return kernels->drift(&b->p, b->law.dt, 1e-6);
+}
+
+static void compare_once(uint64_t seed, int count, struct model model, enum kernel_isa isa)
+{
+    struct kernels reference = kernels_select(ISA_reference, model.dimension, model.hysteretic, model.frictional);
+    struct kernels tested = kernels_select(isa, model.dimension, model.hysteretic, model.frictional);
+    struct bench a = bench_of(seed, count, model), b = bench_of(seed, count, model), c = bench_of(seed, count, model);
+    (void)tested.drift(&a.p, 0, INFINITY);
+    (void)reference.drift(&b.p, 0, INFINITY);
+    (void)reference.drift(&c.p, 0, INFINITY);
+    struct contact_losses sizes = loss_sizes(&c, &reference);
+    for (int k = 0; k < REPEATS; k++) { /* the second time histories stand exactly on the edges of branches */
+        bool stale = step(&a, &tested, k == 0);
+        assert_int_equal(step(&b, &reference, k == 0), stale);
+        if (k == 0)
+            losses_compare(&a.losses, &b.losses, &sizes);
+        lists_compare(&a.pairs, &b.pairs);
+        lists_compare(&a.wall.contacts, &b.wall.contacts);
+        particles_compare(&a.p, &b.p);
+        same_bits("wall force", &a.wall.force, &b.wall.force, 1);
+    }
+    guard_list(&a.pairs, check_each);
+    guard_list(&a.wall.contacts, check_each);
+    guard_particles(&a.p, check_each);
+    bench_free(&a);
+    bench_free(&b);
+    bench_free(&c);
+}
+
+static void isa_against_reference(enum kernel_isa isa)
+{
+    enum { SEEDS = 40 };
+    if (!kernel_isa_supported(isa)) {
+        print_message("*** %s: THIS CPU CANNOT RUN IT, NOT TESTED ***\n", kernel_isa_name(isa));
+        skip();
+    }
+    for (int m = 0; m < 8; m++)
+        for (int count = 0; count <= CONTACTS_MAX; count++)
+            for (uint64_t seed = 1; seed <= SEEDS; seed++)
+                compare_once(1000 * seed + (uint64_t)count, count, (struct model){2 + m / 4, m / 2 % 2, m % 2}, isa);
+}
+
+static void avx2_is_the_reference(void **state)
+{
+    (void)state;
+    isa_against_reference(ISA_avx2);
+}
+
+static void avx512_is_the_reference(void **state)
+{
+    (void)state;
+    isa_against_reference(ISA_avx512);
+}
+
+/* k1 = k2, kc = 0: the hysteretic kernels give the linear law's forces, whatever the history. */
+static void hysteretic_without_hysteresis_is_linear(void **state)
+{
+    (void)state;
+    for (int m = 0; m < 4; m++)
+        for (uint64_t seed = 1; seed <= 100; seed++) {
+            struct model linear = {2 + m / 2, 0, m % 2}, hysteretic = {2 + m / 2, 1, m % 2};
+            struct bench a = bench_of(seed, CONTACTS_MAX, hysteretic), b = bench_of(seed, CONTACTS_MAX, hysteretic);
+            struct kernels ka = kernels_select(ISA_reference, linear.dimension, 1, linear.frictional);
+            struct kernels kb = kernels_select(ISA_reference, linear.dimension, 0, linear.frictional);
+            a.law.k1 = a.law.k2;
+            a.law.kc = a.law.k2_minus_k1 = a.law.branch_ratio = a.law.loading_loss = a.law.adhesion_loss = 0;
+            b.law = a.law;
+            (void)ka.drift(&a.p, 0, INFINITY);
+            (void)kb.drift(&b.p, 0, INFINITY);
+            ka.pair(&a.p, &a.pairs, &a.law, &a.losses);
+            kb.pair(&b.p, &b.pairs, &b.law, &b.losses);
+            for (int c = 0; c < 3; c++) {
+                same_bits("force", a.pairs.force[c], b.pairs.force[c], CONTACTS_MAX);
+                same_bits("spring", a.pairs.spring[c], b.pairs.spring[c], CONTACTS_MAX);
+            }
+            assert_true(a.losses.hysteresis == 0);
+            bench_free(&a);
+            bench_free(&b);
+        }
+}
+
+/* SHAKEDOWN_ISA chooses, and a wrong name is refused. */
+static void isa_is_chosen_by_name(void **state)
+{
+    enum kernel_isa isa = ISA_COUNT;
+    (void)state;
+    assert_int_equal(setenv("SHAKEDOWN_ISA", "reference", 1), 0);
+    must(kernel_isa_select(&isa));
+    assert_int_equal(isa, ISA_reference);
+    assert_int_equal(setenv("SHAKEDOWN_ISA", "mmx", 1), 0);
+    assert_int_equal(kernel_isa_select(&isa), STATUS_USAGE);
+    assert_non_null(strstr(status_message(), "mmx"));
+    assert_int_equal(unsetenv("SHAKEDOWN_ISA"), 0);
+    must(kernel_isa_select(&isa));
+    assert_true(kernel_isa_supported(isa));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(avx2_is_the_reference),
+        cmocka_unit_test(avx512_is_the_reference),
+        cmocka_unit_test(hysteretic_without_hysteresis_is_linear),
+        cmocka_unit_test(isa_is_chosen_by_name),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
