@@ -42,8 +42,8 @@ struct entry {
 #member, OF_LIST, value_type, offsetof(struct contact_list, member), extent, 0                                 \
     }
 
-/* A new member that decides later bits is one line here. What every step makes anew before it is used (sums of forces,
- * packed records) is left out. */
+/* A new member that decides later bits is one line here. What every step makes anew before it is used (forces,
+ * records of particles) is left out. */
 static const struct entry table[] = {
     PROGRESS(run_id, I64),
     PROGRESS(fraction_done, F64),
@@ -102,8 +102,6 @@ static const struct entry table[] = {
     LIST(history, F64, IF_HYSTERETIC),
     LIST(spring, F64, PER_SPRING),
     LIST(sliding, F64, IF_FRICTIONAL),
-    LIST(force, F64, PER_AXIS),
-    LIST(moment, F64, PER_SPRING),
 };
 
 /* One dataset. */
@@ -287,7 +285,6 @@ static enum status lists_reserve(hid_t file, struct world *world)
             return status_fail(STATUS_FORMAT, "checkpoint: %s has %zu members", path, count);
         TRY(contact_list_reserve(list, (int)count, world->particles.dimension));
         list->count = (int)count;
-        contact_list_pad(list, world->particles.count);
     }
     return STATUS_OK;
 }
@@ -319,7 +316,11 @@ static enum status get_items(hid_t file, struct world *world, struct run_progres
         status = checkpoint_get(file, item->path, item->type, item->count, item->data);
     }
     free(items);
-    return status == STATUS_OK ? lists_check(world) : status;
+    TRY(status);
+    TRY(lists_check(world));
+    for (int l = 0; l <= world->n_walls; l++)
+        contact_list_close(list_of(world, l), &world->particles);
+    return STATUS_OK;
 }
 
 /* A checkpoint as it was written, with the scene it was written for. */

@@ -6,6 +6,8 @@
 
 /* After this long without an answer the state is sent again. */
 static const double RESEND_S = 0.02;
+/* A stop waits for an answer on its way, so that the totals of END are those of the messages that a recorder heard. */
+static const double STOP_PATIENCE_S = 0.5;
 
 static void on_command(const lcm_recv_buf_t *buffer, const char *channel, void *user)
 {
@@ -74,7 +76,7 @@ static enum status wait_for_answer(struct exchange *exchange, const struct wall_
         TRY(bus_handle(exchange->bus, (int)(1000 * RESEND_S), &handled));
         if (exchange->answered)
             break;
-        if (stop_requested())
+        if (stop_requested() && clock_now_s() - start > STOP_PATIENCE_S)
             return status_fail(STATUS_INTERRUPTED, "interrupted at step %lld", (long long)state->step);
         TRY(record_stream_service(exchange->stream));
         double now = clock_now_s();

@@ -18,6 +18,8 @@ static void pad(struct particles *p)
 {
     p->x[0][p->count + 1] = p->x_list[0][p->count + 1] = 1;
     p->radius[p->count] = p->radius[p->count + 1] = -1e6;
+    /* drift does not reach the records of both when the last vector is full */
+    p->record[(size_t)(p->count + 1) * RECORD_STRIDE(p->dimension, p->n_rotations > 0)] = 1;
 }
 
 enum status particles_init(struct particles *p, int count, int dimension, bool rotations)

@@ -32,6 +32,7 @@ static void name_walls(struct world *world)
         world->walls[w] = (struct wall){.axis = w / 2, .inward = w % 2 ? -1 : 1};
         world->walls[w].contacts.hysteretic = world->pairs.hysteretic;
         world->walls[w].contacts.n_springs = world->pairs.n_springs;
+        world->walls[w].contacts.keep_forces = true;
     }
 }
 

@@ -1,0 +1,400 @@
+/* Checkpoints: a world that was saved and restored at any step goes on with the same bits; scenes that start from a
+ * prepared sample; files that are damaged, foreign or of another scene. */
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "sim/checkpoint.h"
+#include "sim/measure.h"
+#include "wallctl/law.h"
+
+static const char path[] = "test_checkpoint.h5";
+
+struct model {
+    int dimension;
+    const char *law; /* of the material, in libconfig syntax */
+    double mu;
+};
+
+#define LINEAR     "law = \"linear\"; kn_n_per_m = 1e5;"
+#define HYSTERETIC "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m = 5e4;"
+
+static const struct model models[] = {
+    {2, LINEAR, 0.0}, {2, LINEAR, 0.4}, {2, HYSTERETIC, 0.0}, {2, HYSTERETIC, 0.4},
+    {3, LINEAR, 0.0}, {3, LINEAR, 0.4}, {3, HYSTERETIC, 0.0}, {3, HYSTERETIC, 0.4},
+};
+enum { N_MODELS = sizeof models / sizeof *models, PARTICLES = 64, STAGE_STEPS = 600 };
+
+/* Two stages: confined while particles still fly about, then sheared. `more` is added to the scene, and wins. */
+static struct scene *scene_make(const struct model *model, int count, const char *sample, const char *more)
+{
+    char text[4096];
+    const char *pressure = model->dimension == 2 ? "2e3" : "2e5"; /* about 30 N on a wall */
+    struct scene *scene = calloc(1, sizeof *scene);
+    assert_non_null(scene);
+    snprintf(text, sizeof text,
+             "name = \"checkpoint\"; dimension = %d; seed = 3; %s\n"
+             "sample = { count = %d; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; density_kg_per_m3 = 2000.0;\n"
+             "  speed_m_per_s = 0.5; %s };\n"
+             "material = { %s gamma_n_kg_per_s = 0.1; mu_s = %g; kt_n_per_m = 2e4; gamma_t_kg_per_s = 0.02;\n"
+             "  gamma_b_kg_per_s = 0.02; };\n"
+             "walls = { x = { mode = \"stress\"; pressure_pa = %s; mass_kg = 1e-3; damping_kg_per_s = 5.0; };\n"
+             "  %s z = { mode = \"stress\"; pressure_pa = %s; mass_kg = 1e-3; damping_kg_per_s = 5.0; }; };\n"
+             "stages = ( { name = \"confine\"; dt_s = 2e-6; duration_s = 1.2e-3; },\n"
+             "  { name = \"shear\"; dt_s = 1e-6; duration_s = 6e-4;\n"
+             "    walls = { z = { mode = \"strain\"; strain = 0.05; frequency_hz = 800.0; }; }; } );\n",
+             model->dimension, more, count, sample, model->law, model->mu, pressure,
+             model->dimension == 3
+                 ? "y = { mode = \"stress\"; pressure_pa = 2e5; mass_kg = 1e-3; damping_kg_per_s = 5.0; };"
+                 : "",
+             pressure);
+    if (scene_parse(scene, text, "test") != STATUS_OK)
+        fail_msg("%s", status_message());
+    return scene;
+}
+
+static void scene_drop(struct scene *scene)
+{
+    scene_free(scene);
+    free(scene);
+}
+
+static void must(enum status status)
+{
+    if (status != STATUS_OK)
+        fail_msg("%s", status_message());
+}
+
+/* Exchanges and steps until `step`, or to the end of the protocol. */
+static void go_on(struct world *world, int64_t step)
+{
+    while (world->step < step) {
+        struct wall_state state;
+        struct wall_command command;
+        world_wall_state(world, &state);
+        must(wallctl_law(world->scene, &state, &command));
+        if (command.finished)
+            return;
+        must(world_command(world, &command));
+        for (int k = 0; k < command.n_steps; k++)
+            must(world_step(world));
+    }
+}
+
+static void assert_equal(const struct world *a, const struct world *b)
+{
+    char difference[128];
+    if (!checkpoint_equal(a, b, difference, sizeof difference))
+        fail_msg("%s differs", difference);
+    assert_true(world_hash(a) == world_hash(b));
+}
+
+static const struct run_progress progress = {.run_id = 12,
+                                             .fraction_done = 0.25,
+                                             .kinetic_j = 1.0 / 3,
+                                             .energy_step = 17,
+                                             .exchanges = 99,
+                                             .record_total = {1, 2, 3, 4, 5, 6, 0},
+                                             .last_frame_step = -1};
+
+static void resume_at(const struct model *model, int64_t step)
+{
+    struct scene *scene = scene_make(model, PARTICLES, "", "");
+    struct world *whole, *resumed;
+    struct run_progress taken;
+    must(world_create(&whole, scene));
+    go_on(whole, step);
+    must(checkpoint_write(path, whole, &progress));
+    must(checkpoint_resume(path, scene, &resumed, &taken));
+    assert_memory_equal(&taken, &progress, sizeof taken);
+    assert_equal(whole, resumed);
+    struct measurement before, after;
+    must(measure(whole, &before)); /* forces of the last step, too, are there */
+    must(measure(resumed, &after));
+    assert_memory_equal(&before, &after, sizeof before);
+    int64_t rebuilds = whole->neighbor.rebuilds;
+    go_on(whole, INT64_MAX);
+    go_on(resumed, INT64_MAX);
+    assert_true(step >= 2 * STAGE_STEPS || whole->neighbor.rebuilds > rebuilds); /* histories went through a rebuild */
+    assert_int_equal(whole->step, 2 * STAGE_STEPS);
+    assert_equal(whole, resumed);
+    world_free(whole);
+    world_free(resumed);
+    scene_drop(scene);
+}
+
+/* Before the first command, within each stage, at the end of each (before the next command), right after a start. */
+static void test_same_bits(void **state)
+{
+    static const int64_t steps[] = {0, 1, 251, STAGE_STEPS, STAGE_STEPS + 1, 2 * STAGE_STEPS - 211, 2 * STAGE_STEPS};
+    (void)state;
+    for (int m = 0; m < N_MODELS; m++)
+        for (size_t k = 0; k < sizeof steps / sizeof *steps; k++)
+            resume_at(&models[m], steps[k]);
+}
+
+/* The sample of `model` after its first stage, in the file. */
+static struct world *prepare(const struct model *model, struct scene **scene)
+{
+    struct world *world;
+    *scene = scene_make(model, PARTICLES, "", "");
+    must(world_create(&world, *scene));
+    go_on(world, STAGE_STEPS);
+    must(checkpoint_write(path, world, &progress));
+    return world;
+}
+
+static void check_history(const struct world *from, const struct world *to)
+{
+    int touching = 0;
+    for (int k = 0; k < to->pairs.count; k++) {
+        int i = to->pairs.i[k], j = to->pairs.j[k], old = 0;
+        while (old < from->pairs.count && (from->pairs.i[old] != i || from->pairs.j[old] != j))
+            old++;
+        if (old == from->pairs.count)
+            continue;
+        if (to->pairs.hysteretic && from->pairs.hysteretic)
+            assert_true(to->pairs.history[k] == from->pairs.history[old]);
+        for (int c = 0; c < to->pairs.n_springs; c++)
+            assert_true(to->pairs.spring[c][k] == (from->pairs.n_springs ? from->pairs.spring[c][old] : 0));
+        touching += to->pairs.hysteretic && to->pairs.history[k] > 0;
+    }
+    assert_true(!to->pairs.hysteretic || touching > 0);
+}
+
+static void start_from(const struct world *from, const struct model *model, uint64_t *hash)
+{
+    char sample[128];
+    snprintf(sample, sizeof sample, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
+    struct scene *scene = scene_make(model, PARTICLES, sample, "");
+    struct world *world;
+    must(world_create(&world, scene));
+    assert_int_equal(world->step, 0);
+    assert_int_equal(world->stage, -1);
+    size_t size = PARTICLES * sizeof(double);
+    for (int c = 0; c < model->dimension; c++) {
+        assert_memory_equal(world->particles.x[c], from->particles.x[c], size);
+        assert_memory_equal(world->particles.v[c], from->particles.v[c], size);
+    }
+    assert_memory_equal(world->particles.inv_mass, from->particles.inv_mass, size);
+    for (int w = 0; w < world->n_walls; w++)
+        assert_true(world->walls[w].x == from->walls[w].x && world->walls[w].v == 0);
+    check_history(from, world);
+    go_on(world, INT64_MAX);
+    assert_int_equal(world->step, 2 * STAGE_STEPS);
+    *hash = world_hash(world);
+    world_free(world);
+    scene_drop(scene);
+}
+
+/* Every model's sample serves every scene of its dimension, and each scene goes its own way, always the same. */
+static void test_shared_preparation(void **state)
+{
+    (void)state;
+    for (int m = 0; m < N_MODELS; m++) {
+        struct scene *scene;
+        struct world *prepared = prepare(&models[m], &scene);
+        uint64_t hash[N_MODELS] = {0}, again;
+        for (int k = 0; k < N_MODELS; k++) {
+            if (models[k].dimension != models[m].dimension)
+                continue;
+            start_from(prepared, &models[k], &hash[k]);
+            assert_true(k % 4 == 0 || hash[k] != hash[k - 1]);
+        }
+        start_from(prepared, &models[m], &again);
+        assert_true(again == hash[m]);
+        world_free(prepared);
+        scene_drop(scene);
+    }
+}
+
+static void expect_no_start(const struct model *model, int count, const char *text)
+{
+    char sample[128];
+    struct world *world;
+    snprintf(sample, sizeof sample, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
+    struct scene *scene = scene_make(model, count, sample, "");
+    assert_int_equal(world_create(&world, scene), STATUS_CONFIG);
+    assert_null(world);
+    if (!strstr(status_message(), text))
+        fail_msg("\"%s\" does not say \"%s\"", status_message(), text);
+    scene_drop(scene);
+}
+
+static void expect_no_resume(const struct model *model, const char *more, const char *text)
+{
+    struct scene *scene = scene_make(model, PARTICLES, "", more);
+    struct world *world;
+    struct run_progress taken;
+    assert_int_equal(checkpoint_resume(path, scene, &world, &taken), STATUS_CONFIG);
+    assert_null(world);
+    if (!strstr(status_message(), text))
+        fail_msg("\"%s\" does not say \"%s\"", status_message(), text);
+    scene_drop(scene);
+}
+
+static void test_other_scenes(void **state)
+{
+    struct scene *scene, *same;
+    struct model other = models[1];
+    struct world *resumed, *world = prepare(&models[1], &scene);
+    struct run_progress taken;
+    (void)state;
+    expect_no_start(&models[1], PARTICLES + 1, "holds 64 particles, the scene says sample.count = 65");
+    expect_no_start(&models[5], PARTICLES, "dimension 2, the scene says 3");
+    other.mu = 0.5;
+    expect_no_resume(&other, "", "material.mu_s was 0.4");
+    expect_no_resume(&models[1], "neighbor = { skin_ratio = 0.2; };", "neighbor.skin_ratio was 0.1");
+    expect_no_resume(&models[1], "gravity_m_per_s2 = [0.0, 0.0, -9.81];", "gravity_m_per_s2 was []");
+    expect_no_resume(&models[5], "", "dimension was 2L, is now 3L");
+    other = models[1];
+    other.law = LINEAR " gamma_br_kg_per_s = 1.0;";
+    expect_no_resume(&other, "", "material.gamma_br_kg_per_s");
+    same = scene_make(&models[1], PARTICLES, "", "checkpoint_interval_s = 5.0; coupling = { timeout_s = 9.0; };");
+    must(checkpoint_resume(path, same, &resumed, &taken)); /* how often, and how patiently, is free */
+    world_free(resumed);
+    world_free(world);
+    scene_drop(same);
+    scene_drop(scene);
+}
+
+static unsigned char *file_read(const char *name, size_t *size)
+{
+    struct stat information;
+    FILE *file = fopen(name, "rb");
+    assert_non_null(file);
+    assert_int_equal(fstat(fileno(file), &information), 0);
+    *size = (size_t)information.st_size;
+    unsigned char *bytes = malloc(*size);
+    assert_non_null(bytes);
+    assert_int_equal(fread(bytes, 1, *size, file), *size);
+    assert_int_equal(fclose(file), 0);
+    return bytes;
+}
+
+static void file_write(const char *name, const unsigned char *bytes, size_t size)
+{
+    FILE *file = fopen(name, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void expect_failure(const struct scene *scene, enum status expected)
+{
+    struct world *world;
+    struct run_progress taken;
+    enum status status = checkpoint_resume(path, scene, &world, &taken);
+    if (status != expected)
+        fail_msg("status %d instead of %d: %s", status, expected, status_message());
+    assert_null(world);
+    assert_non_null(strstr(status_message(), path));
+}
+
+static void test_damage(void **state)
+{
+    struct scene *scene;
+    struct world *world = prepare(&models[3], &scene);
+    size_t size;
+    unsigned char *bytes = file_read(path, &size);
+    (void)state;
+    for (size_t cut = 0; cut < size; cut += 1 + size / 50) {
+        file_write(path, bytes, cut);
+        expect_failure(scene, STATUS_FORMAT);
+    }
+    for (size_t at = 512; at < size; at += 1 + size / 50) {
+        bytes[at] ^= 0x10;
+        file_write(path, bytes, size);
+        expect_failure(scene, STATUS_FORMAT);
+        bytes[at] ^= 0x10;
+    }
+    memcpy(bytes, "Shakedown checkpoint, format 2", 30);
+    file_write(path, bytes, size);
+    expect_failure(scene, STATUS_FORMAT);
+    assert_non_null(strstr(status_message(), "format 2"));
+    file_write(path, (const unsigned char *)"name = \"a scene\";\n", 18);
+    expect_failure(scene, STATUS_FORMAT);
+    assert_int_equal(unlink(path), 0);
+    expect_failure(scene, STATUS_IO);
+    free(bytes);
+    world_free(world);
+    scene_drop(scene);
+}
+
+/* What fails leaves the old checkpoint, and nothing beside it. */
+static void test_full_disk(void **state)
+{
+    struct scene *scene;
+    struct world *world = prepare(&models[1], &scene);
+    struct rlimit before, limit;
+    size_t size, now;
+    unsigned char *bytes = file_read(path, &size);
+    (void)state;
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    limit = before;
+    limit.rlim_cur = size / 2;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    go_on(world, STAGE_STEPS + 10);
+    enum status status = checkpoint_write(path, world, &progress);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    assert_int_equal(status, STATUS_IO);
+    unsigned char *after = file_read(path, &now);
+    assert_int_equal(now, size);
+    assert_memory_equal(after, bytes, size);
+    assert_int_not_equal(access("test_checkpoint.h5.new", F_OK), 0);
+    assert_int_equal(checkpoint_write("no/such/folder.h5", world, &progress), STATUS_IO);
+    free(after);
+    free(bytes);
+    world_free(world);
+    scene_drop(scene);
+}
+
+/* A shared checkpoint stays what it was when the first name gets a new one. */
+static void test_share(void **state)
+{
+    static const char copy[] = "test_checkpoint_copy.h5";
+    struct scene *scene;
+    struct world *world = prepare(&models[0], &scene);
+    size_t size, copy_size;
+    unsigned char *bytes = file_read(path, &size);
+    (void)state;
+    must(checkpoint_share(path, copy));
+    must(checkpoint_share(path, copy)); /* again */
+    assert_int_not_equal(access("test_checkpoint_copy.h5.new", F_OK), 0);
+    go_on(world, STAGE_STEPS + 10);
+    must(checkpoint_write(path, world, &progress));
+    unsigned char *shared = file_read(copy, &copy_size);
+    assert_int_equal(copy_size, size);
+    assert_memory_equal(shared, bytes, size);
+    assert_int_equal(unlink(copy), 0);
+    free(shared);
+    free(bytes);
+    world_free(world);
+    scene_drop(scene);
+}
+
+static int remove_file(void **state)
+{
+    (void)state;
+    (void)unlink(path); /* not there if a test failed early */
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_same_bits),    cmocka_unit_test(test_shared_preparation),
+        cmocka_unit_test(test_other_scenes), cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_full_disk),    cmocka_unit_test(test_share),
+    };
+    return cmocka_run_group_tests(tests, NULL, remove_file);
+}

@@ -1,0 +1,187 @@
+#!/usr/bin/env bash
+# Runs that are killed and go on: test_checkpoint.sh CASE. Real processes (SHAKEDOWN_BIN) on tests/scenes/small.cfg, in a
+# network namespace of its own. What goes on must be the same, bit for bit, as a run that was never stopped.
+set -uo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+unset LCM_DEFAULT_URL
+
+[ -n "${TEST_NAMESPACE:-}" ] || TEST_NAMESPACE=1 exec "$root/tests/in_namespace.sh" "$BASH" "${BASH_SOURCE[0]}" "$@"
+
+work=$(mktemp -d)
+cd "$work" || exit 1
+driver=''
+trap '[ -z "$driver" ] || kill -KILL -- "-$driver" 2>/dev/null; rm -rf "$work"' EXIT
+
+readonly scene=$root/tests/scenes/small.cfg
+# Long enough to be caught, with many checkpoints.
+readonly settings=(--set checkpoint_interval_s=0.01 --set stages.0.duration_s=0.03)
+
+fail() {
+    echo "FAILED at line ${BASH_LINENO[1]}: $*"
+    tail -n 40 ./*.out */log/*.log 2>/dev/null
+    exit 1
+}
+
+shakedown() { # ARGUMENTS...: output into last.out
+    "$root/shakedown" "$@" >last.out 2>&1 </dev/null
+}
+
+expect_code() { # EXPECTED ACTUAL
+    [ "$1" -eq "$2" ] || fail "exit code $2 instead of $1"
+}
+
+expect_text() { # FILE PATTERN
+    grep -q -- "$2" "$1" || fail "no '$2' in $1"
+}
+
+# Polls, as another process' files give no signal; bounded.
+wait_for() { # COMMAND...
+    local k
+    for ((k = 0; k < 1000; k++)); do
+        "$@" && return
+        sleep 0.01
+    done
+    fail "waited in vain for: $*"
+}
+
+attribute() { # FILE NAME
+    h5dump -a "$2" "$1" | sed -n 's/^ *(0): //p'
+}
+
+expect_same_run() { # DIR DIR
+    local group
+    [ "$(attribute "$1/run.h5" complete)" = 1 ] && [ "$(attribute "$2/run.h5" complete)" = 1 ] || fail "not complete"
+    [ "$(attribute "$1/run.h5" state_hash)" = "$(attribute "$2/run.h5" state_hash)" ] || fail "other hashes"
+    for group in observables particles connectivity frames walls; do
+        h5diff "$1/run.h5" "$2/run.h5" "/$group" || fail "$group differs"
+    done
+    cmp "$1/run.xdmf" "$2/run.xdmf" || fail "run.xdmf differs"
+}
+
+start_driver() { # ARGUMENTS...
+    set -m
+    "$root/shakedown" run "$scene" "${settings[@]}" --out cut "$@" >cut.out 2>&1 </dev/null &
+    driver=$!
+    set +m
+}
+
+pid_of() { # NAME
+    sed -n "s/^$1 //p" cut/log/pids
+}
+
+# The second checkpoint is there: the first was replaced.
+second_checkpoint() {
+    [ -f cut/checkpoint.h5 ] || return
+    [ -n "${first:-}" ] || first=$(stat -c %i%y cut/checkpoint.h5)
+    [ "$(stat -c %i%y cut/checkpoint.h5)" != "$first" ]
+}
+
+driver_ended() {
+    [ ! -d "/proc/$driver" ] || grep -q '^State:.*Z' "/proc/$driver/status" 2>/dev/null
+}
+
+# --- Cases -----------------------------------------------------------------------------------------------------------
+
+case_kill_sim() {
+    shakedown run "$scene" "${settings[@]}" --out whole
+    expect_code 0 $?
+    start_driver
+    wait_for second_checkpoint
+    kill -KILL "$(pid_of sim)"
+    wait_for driver_ended
+    [ "$(attribute cut/run.h5 complete)" = 0 ] || fail "complete after a kill"
+    shakedown run --resume cut
+    expect_code 0 $?
+    expect_same_run whole cut
+    # the event log is that of one run, too
+    "$SHAKEDOWN_BIN/recorder/recorder" --from cut/run.lcm --out again >last.out 2>&1 || fail "the log is not whole"
+    expect_same_run whole again
+}
+
+# The recorder, too, dies without a word, so its file holds what it has said to be on disk. The last rows of the walls'
+# compressed tables may be lost, so these are left out here.
+case_kill_all() {
+    settings_more=(--set record.walls=sampled --set record.event_log=false)
+    shakedown run "$scene" "${settings[@]}" "${settings_more[@]}" --out whole
+    expect_code 0 $?
+    start_driver "${settings_more[@]}"
+    wait_for second_checkpoint
+    kill -KILL "$(pid_of sim)" "$(pid_of recorder)" "$(pid_of wallctl)"
+    wait_for driver_ended
+    shakedown run --resume cut
+    expect_code 0 $?
+    [ "$(attribute whole/run.h5 state_hash)" = "$(attribute cut/run.h5 state_hash)" ] || fail "other hashes"
+    for group in observables particles connectivity frames; do
+        h5diff whole/run.h5 cut/run.h5 "/$group" || fail "$group differs"
+    done
+}
+
+# END closes the record of an interrupted run; it is opened again.
+case_interrupt() {
+    shakedown run "$scene" "${settings[@]}" --out whole
+    expect_code 0 $?
+    start_driver
+    wait_for second_checkpoint
+    kill -INT "$driver"
+    wait_for driver_ended
+    [ "$(attribute cut/run.h5 complete)" = 1 ] || fail "the interrupted record is not closed"
+    shakedown run --resume cut
+    expect_code 0 $?
+    expect_same_run whole cut
+}
+
+case_in_process() {
+    shakedown run "$scene" "${settings[@]}" --out whole --in-process --set stages.0.duration_s=0.3
+    expect_code 0 $?
+    start_driver --in-process --set stages.0.duration_s=0.3
+    wait_for second_checkpoint
+    kill -KILL "$(pid_of sim)"
+    wait_for driver_ended
+    shakedown run --resume cut
+    expect_code 0 $?
+    expect_same_run whole cut
+    expect_text last.out 'going on from'
+}
+
+# Two scenes share one preparation.
+case_series() {
+    shakedown run "$scene" --out first --in-process
+    expect_code 0 $?
+    [ -s first/checkpoint-confine.h5 ] || fail "no checkpoint of the stage"
+    local kc
+    for kc in 1e4 9e4; do
+        shakedown run "$scene" --in-process --out "kc-$kc" --set sample.initial=checkpoint \
+            --set "sample.checkpoint=\"$work/first/checkpoint-confine.h5\"" --set "material.kc_n_per_m=$kc"
+        expect_code 0 $?
+    done
+    h5diff -q kc-1e4/run.h5 kc-9e4/run.h5 /particles/trajectory/radius || fail "other particles"
+    [ "$(attribute kc-1e4/run.h5 state_hash)" != "$(attribute kc-9e4/run.h5 state_hash)" ] || fail "the same run"
+}
+
+case_refused() {
+    shakedown run "$scene" --out done --in-process
+    expect_code 0 $?
+    shakedown run "$scene" --out over_bus
+    expect_code 0 $?
+    shakedown run --resume over_bus # there is nothing to go on with
+    expect_code 5 $?
+    expect_text last.out 'is complete already'
+    [ "$(attribute over_bus/run.h5 complete)" = 1 ] || fail "a complete record was touched"
+    shakedown run --resume done --set material.mu_s=0.25
+    expect_code 3 $?
+    expect_text last.out 'belongs to another scene: material.mu_s was'
+    mkdir empty
+    shakedown run --resume empty
+    expect_code 5 $?
+    expect_text last.out 'no checkpoint in empty'
+    shakedown run "$scene" --resume done
+    expect_code 2 $?
+    head -c 1000 done/checkpoint.h5 >short
+    mv short done/checkpoint.h5
+    shakedown run --resume done
+    expect_code 6 $?
+    expect_text last.out 'the checkpoint is damaged'
+}
+
+"case_$1"
