@@ -312,6 +312,23 @@ static enum status setting_copy_value(config_setting_t *parent, const char *name
     return STATUS_OK;
 }
 
+/* Sets member `part` of a list or array, which must be there and of the same kind. */
+static enum status member_set(config_setting_t *list, const char *part, const config_setting_t *from,
+                              const char *assignment)
+{
+    config_setting_t *to = config_setting_get_elem(list, (unsigned)strtoul(part, NULL, 10));
+    int type = to ? config_setting_type(to) : CONFIG_TYPE_NONE, set = CONFIG_FALSE;
+    if (type == CONFIG_TYPE_FLOAT && is_number(from))
+        set = config_setting_set_float(to, number_of(from));
+    else if (type == CONFIG_TYPE_INT && config_setting_type(from) == type)
+        set = config_setting_set_int(to, config_setting_get_int(from));
+    else if (type == CONFIG_TYPE_STRING && config_setting_type(from) == type)
+        set = config_setting_set_string(to, config_setting_get_string(from));
+    if (set == CONFIG_TRUE)
+        return STATUS_OK;
+    return status_fail(STATUS_CONFIG, "--set '%s': the list has no member '%s' of this kind", assignment, part);
+}
+
 /* The child `part` of `parent`, by name or by number in a list; a missing group is made. */
 static config_setting_t *descend(config_setting_t *parent, const char *part)
 {
@@ -335,7 +352,8 @@ enum status config_override(config_t *config, const char *assignment)
         *dot = '\0';
         parent = descend(parent, part);
         if (!parent || !config_setting_is_aggregate(parent))
-            return status_fail(STATUS_CONFIG, "--set '%s': there is no '%s' in the scene", assignment, part);
+            return status_fail(STATUS_CONFIG, "--set '%s': there is no '%.*s' in the scene", assignment, (int)(dot - path),
+                               assignment);
         part = dot + 1;
     }
 
@@ -343,13 +361,18 @@ enum status config_override(config_t *config, const char *assignment)
     quote_bare_word(equals + 1, text, sizeof text);
     config_t value;
     config_init(&value);
-    if (config_read_string(&value, text) != CONFIG_TRUE) {
+    if (config_read_string(&value, text) != CONFIG_TRUE || config_setting_length(config_root_setting(&value)) != 1) {
         config_destroy(&value);
         return status_fail(STATUS_USAGE, "--set '%s': '%s' is not a value in libconfig syntax", assignment, equals + 1);
     }
-    if (config_setting_get_member(parent, part))
-        (void)config_setting_remove(parent, part);
-    enum status status = setting_copy_value(parent, part, config_lookup(&value, "v"));
+    enum status status = STATUS_OK;
+    if (config_setting_is_group(parent)) {
+        if (config_setting_get_member(parent, part))
+            (void)config_setting_remove(parent, part);
+        status = setting_copy_value(parent, part, config_lookup(&value, "v"));
+    } else {
+        status = member_set(parent, part, config_lookup(&value, "v"), assignment);
+    }
     config_destroy(&value);
     return status;
 }
