@@ -20,3 +20,9 @@ add_test(NAME sim_pipeline
          COMMAND ${CMAKE_CURRENT_LIST_DIR}/in_namespace.sh $<TARGET_FILE:test_sim_pipeline> $<TARGET_FILE:sim>
                  $<TARGET_FILE:wallctl> $<TARGET_FILE:recorder> ${CMAKE_CURRENT_LIST_DIR}/scenes/small.cfg)
 set_tests_properties(sim_pipeline PROPERTIES LABELS "pipeline;replay;fault" TIMEOUT 180 SKIP_RETURN_CODE 125)
+
+# Broken scene files.
+add_test(NAME sim_bad_scenes
+         COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_bad_scenes.sh $<TARGET_FILE:sim> ${CMAKE_CURRENT_LIST_DIR}/bad_scenes
+                 ${CMAKE_CURRENT_LIST_DIR}/scenes/small.cfg)
+set_tests_properties(sim_bad_scenes PROPERTIES LABELS unit TIMEOUT 60)
