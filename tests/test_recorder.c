@@ -422,7 +422,7 @@ static void test_misfits(void **state)
     options.n_particles = 260;
     synthetic_create(&other, &options);
     give(&bench, &bench.run.messages[0]);
-    for (int kind = RECORD_PARTICLES; kind < RECORD_END; kind++) {
+    for (int kind = RECORD_PARTICLES; kind < RECORD_CHECKPOINT; kind++) {
         size_t last_chunk = kind == RECORD_PARTICLES ? 2 : 0; /* the one that would go beyond N */
         for (size_t k = 0; k < last_chunk; k++)
             give(&bench, &bench.run.messages[find(&bench.run, kind, (int)k)]);
@@ -431,6 +431,7 @@ static void test_misfits(void **state)
         for (int k = (int)last_chunk; k < bench.run.next_seq[kind]; k++)
             give(&bench, &bench.run.messages[find(&bench.run, kind, k)]);
     }
+    give(&bench, &bench.run.messages[find(&bench.run, RECORD_CHECKPOINT, 0)]);
     give(&bench, &bench.run.messages[bench.run.count - 1]);
     finish_complete(&bench);
     synthetic_free(&other);

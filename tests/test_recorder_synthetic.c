@@ -79,6 +79,8 @@ static struct synthetic_message encode(int kind, const union message *message)
         ENCODE(frame_particles);
     case RECORD_FRAME_CONTACTS:
         ENCODE(frame_contacts);
+    case RECORD_CHECKPOINT:
+        ENCODE(checkpoint);
     case RECORD_END:
         ENCODE(end);
     case MESSAGE_WALL_STATE:
@@ -281,6 +283,19 @@ static void add_wall_exchange(struct synthetic_run *run, int64_t state)
     synthetic_add(run, MESSAGE_WALL_COMMAND, &message);
 }
 
+static void add_checkpoint(struct synthetic_run *run)
+{
+    int64_t total[RECORD_CHANNELS];
+    memcpy(total, run->next_seq, sizeof total);
+    union message message = {.checkpoint = {.step = 900,
+                                            .time_s = 0.9,
+                                            .n_channels = RECORD_CHANNELS,
+                                            .total = total,
+                                            .n_frames = run->options.n_frames,
+                                            .wall_states = run->next_seq[MESSAGE_WALL_STATE]}};
+    synthetic_add(run, RECORD_CHECKPOINT, &message);
+}
+
 static void add_end(struct synthetic_run *run)
 {
     int64_t total[RECORD_CHANNELS];
@@ -316,6 +331,7 @@ void synthetic_create(struct synthetic_run *run, const struct synthetic_options 
     }
     while (state < options->n_wall_states)
         add_wall_exchange(run, state++);
+    add_checkpoint(run);
     add_end(run);
 }
 
