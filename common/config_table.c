@@ -179,7 +179,8 @@ static enum status read_choice(const config_setting_t *setting, const struct key
         return config_fail(setting, where, "must be one of %s", allowed);
     int index = choice_index(key, config_setting_get_string(setting));
     if (index < 0)
-        return config_fail(setting, where, "\"%s\" is unknown; allowed: %s", config_setting_get_string(setting), allowed);
+        return config_fail(setting, where, "\"%s\" is unknown; allowed: %s", config_setting_get_string(setting),
+                           allowed);
     *value = index;
     return STATUS_OK;
 }
@@ -234,7 +235,7 @@ static void unknown_key_text(const struct key *table, char *text, size_t size)
 }
 
 enum status config_group_read(const config_setting_t *setting, const struct key *table, const char *where,
-                        const char *const *skip, void *target)
+                              const char *const *skip, void *target)
 {
     for (int k = 0; k < config_setting_length(setting); k++) {
         const config_setting_t *member = config_setting_get_elem(setting, (unsigned)k);
@@ -352,8 +353,8 @@ enum status config_override(config_t *config, const char *assignment)
         *dot = '\0';
         parent = descend(parent, part);
         if (!parent || !config_setting_is_aggregate(parent))
-            return status_fail(STATUS_CONFIG, "--set '%s': there is no '%.*s' in the scene", assignment, (int)(dot - path),
-                               assignment);
+            return status_fail(STATUS_CONFIG, "--set '%s': there is no '%.*s' in the scene", assignment,
+                               (int)(dot - path), assignment);
         part = dot + 1;
     }
 
@@ -452,7 +453,10 @@ static void print_allowed(FILE *out, const struct key *key)
         fprintf(out, "text");
         break;
     default:
-        fprintf(out, "%s%s", key->type == KEY_FLOATS ? "list; each " : key->type == KEY_INT ? "integer; " : "",
+        fprintf(out, "%s%s",
+                key->type == KEY_FLOATS ? "list; each "
+                : key->type == KEY_INT  ? "integer; "
+                                        : "",
                 range_text(key, text, sizeof text));
     }
 }

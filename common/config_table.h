@@ -48,7 +48,7 @@ void config_defaults(const struct key *table, void *target);
  * printed in errors ("" at the top), `skip` lists top-level names that the caller reads itself (NULL-ended, or NULL).
  * STATUS_CONFIG with "file:line: key: ..." on an unknown key, a wrong type or a value out of range. */
 enum status config_group_read(const config_setting_t *setting, const struct key *table, const char *where,
-                        const char *const *skip, void *target) MUST_USE;
+                              const char *const *skip, void *target) MUST_USE;
 
 /* STATUS_CONFIG if a key without default is missing in `setting`. */
 enum status config_require(const config_setting_t *setting, const struct key *table, const char *where) MUST_USE;

@@ -138,12 +138,11 @@ static const struct key coupling_keys[] = {
      "sim gives up after this long without an answer from wallctl or the recorder"},
     {0}};
 
-static const struct key record_keys[] = {
-    {"walls", KEY_CHOICE, OF(scene_record, walls), NULL, 0, 0, "sampled", walls_names, NULL,
-     "wall states: with every sample, or each exchange"},
-    {"event_log", KEY_BOOL, OF(scene_record, event_log), NULL, 0, 0, "false", NULL, NULL,
-     "keep the raw messages as run.lcm, for lcm-logplayer and replays"},
-    {0}};
+static const struct key record_keys[] = {{"walls", KEY_CHOICE, OF(scene_record, walls), NULL, 0, 0, "sampled",
+                                          walls_names, NULL, "wall states: with every sample, or each exchange"},
+                                         {"event_log", KEY_BOOL, OF(scene_record, event_log), NULL, 0, 0, "false", NULL,
+                                          NULL, "keep the raw messages as run.lcm, for lcm-logplayer and replays"},
+                                         {0}};
 
 static const struct key neighbor_keys[] = {
     {"skin_ratio", KEY_FLOAT, OF(scene_neighbor, skin_ratio), NULL, 1e-3, 10, "0.1", NULL, NULL,
@@ -205,8 +204,9 @@ static enum status axis_check(const struct scene_axis *a, const config_setting_t
     if (a->mode == WALL_STRAIN && !(a->frequency_hz > 0))
         return config_fail(at, where, "mode \"strain\" needs frequency_hz above 0");
     if (a->mode == WALL_STRAIN && a->opposite == OPPOSITE_CONSTANT)
-        return config_fail(at, where, "opposite \"constant\" goes with mode \"stress\"; allowed here: \"fixed\", "
-                                      "\"mirror\"");
+        return config_fail(at, where,
+                           "opposite \"constant\" goes with mode \"stress\"; allowed here: \"fixed\", "
+                           "\"mirror\"");
     if (a->mode != WALL_STRESS)
         return STATUS_OK;
     if (!(a->mass_kg > 0 || a->damping_kg_per_s > 0))
@@ -249,7 +249,8 @@ static enum status sample_check(const struct scene_sample *sample, const config_
     if (sample->radius_distribution == RADIUS_GAUSSIAN &&
         !(sample->radius_sd_m > 0 && sample->radius_mean_m >= sample->radius_min_m &&
           sample->radius_mean_m <= sample->radius_max_m))
-        return config_fail(at, "sample", "gaussian radii need radius_sd_m above 0 and radius_mean_m between the cut-offs");
+        return config_fail(at, "sample",
+                           "gaussian radii need radius_sd_m above 0 and radius_mean_m between the cut-offs");
     if (sample->initial == INITIAL_CHECKPOINT && !sample->checkpoint[0])
         return config_fail(at, "sample", "initial = \"checkpoint\" needs the path in checkpoint");
     return STATUS_OK;
@@ -401,18 +402,20 @@ void scene_print(FILE *out, const struct scene *scene)
 void scene_print_reference(FILE *out)
 {
     static const char header[] = "| key | allowed | default | meaning |\n|---|---|---|---|\n";
-    fprintf(out,
-            "# Scene reference\n\nMade by `sim --reference` from the table of keys in `common/scene.c`: do not edit.\n\n"
-            "A scene is a libconfig file. An unknown key is an error. Integers are taken where a number is asked for. "
-            "Compression is positive in stress and strain.\nSources: [LH] Luding & Herrmann (2001), [D] David et al. "
-            "(2007), see `theory.md`.\n\n## Scene\n\n`material` and `walls` hold for every stage that does not say "
-            "otherwise.\n\n%s",
-            header);
+    fprintf(
+        out,
+        "# Scene reference\n\nMade by `sim --reference` from the table of keys in `common/scene.c`: do not edit.\n\n"
+        "A scene is a libconfig file. An unknown key is an error. Integers are taken where a number is asked for. "
+        "Compression is positive in stress and strain.\nSources: [LH] Luding & Herrmann (2001), [D] David et al. "
+        "(2007), see `theory.md`.\n\n## Scene\n\n`material` and `walls` hold for every stage that does not say "
+        "otherwise.\n\n%s",
+        header);
     config_print_reference(out, scene_keys, "");
-    fprintf(out,
-            "\n## Stages\n\n`stages = ( { ... }, { ... } )`, run in order. A stage takes its `material` and `walls` from "
-            "the scene and overrides key by key.\n\n%s",
-            header);
+    fprintf(
+        out,
+        "\n## Stages\n\n`stages = ( { ... }, { ... } )`, run in order. A stage takes its `material` and `walls` from "
+        "the scene and overrides key by key.\n\n%s",
+        header);
     config_print_reference(out, stage_keys, "");
 }
 

@@ -18,9 +18,9 @@ enum contact_law { LAW_LINEAR, LAW_HYSTERETIC };
 
 /* [D] = David et al. 2007, [LH] = Luding & Herrmann 2001 */
 struct scene_material {
-    int law;                 /* enum contact_law */
-    double kn_n_per_m;       /* linear law: k of [D eq. 1] */
-    double k1_n_per_m;       /* hysteretic law [LH eq. 1.6] */
+    int law;           /* enum contact_law */
+    double kn_n_per_m; /* linear law: k of [D eq. 1] */
+    double k1_n_per_m; /* hysteretic law [LH eq. 1.6] */
     double k2_n_per_m;
     double kc_n_per_m;
     double gamma_n_kg_per_s; /* gamma_0, normal dissipation */
@@ -46,7 +46,7 @@ struct scene_axis {
     double pressure_pa;     /* constant; start of a ramp; p0 of cycles */
     double pressure_end_pa; /* end of a ramp */
     double ramp_s;
-    double amplitude_pa;    /* delta sigma: p0 + (amplitude/2) (1 - cos 2 pi t / period) */
+    double amplitude_pa; /* delta sigma: p0 + (amplitude/2) (1 - cos 2 pi t / period) */
     double period_s;
     double mass_kg;
     double damping_kg_per_s;
@@ -55,12 +55,12 @@ struct scene_axis {
 struct scene_stage {
     char name[CONFIG_STRING_MAX];
     double dt_s;
-    double duration_s;          /* its length, or the limit in time when a condition is given */
-    double until_energy_ratio;  /* ends when E_kin/E_pot is below this; 0: no condition */
-    double until_stress_error;  /* ends when every stress-controlled axis is within this fraction of its target */
-    double min_duration_s;      /* conditions are not looked at before */
-    double sample_interval_s;   /* 0: duration/500 */
-    double frame_interval_s;    /* 0: frames only at frame_strains and at the end of the stage */
+    double duration_s;         /* its length, or the limit in time when a condition is given */
+    double until_energy_ratio; /* ends when E_kin/E_pot is below this; 0: no condition */
+    double until_stress_error; /* ends when every stress-controlled axis is within this fraction of its target */
+    double min_duration_s;     /* conditions are not looked at before */
+    double sample_interval_s;  /* 0: duration/500 */
+    double frame_interval_s;   /* 0: frames only at frame_strains and at the end of the stage */
     struct config_floats frame_strains; /* of the strain-controlled axis, increasing */
     struct scene_material material;
     struct scene_axis axis[SCENE_AXES];
@@ -74,15 +74,15 @@ struct scene_sample {
     int radius_distribution; /* enum radius_distribution */
     double radius_min_m;     /* uniform: bounds; gaussian: cut-offs */
     double radius_max_m;
-    double radius_mean_m;    /* gaussian */
+    double radius_mean_m; /* gaussian */
     double radius_sd_m;
     double density_kg_per_m3;
-    int initial;                      /* enum initial_state */
+    int initial;                        /* enum initial_state */
     char checkpoint[CONFIG_STRING_MAX]; /* its path, relative to the scene file */
-    double gap_ratio;                 /* lattice: spacing is 2 r_max (1 + gap_ratio) */
-    double solid_fraction;            /* random: of the starting box */
-    double aspect_ratio;              /* starting box: height z over width x (and y = x) */
-    double speed_m_per_s;             /* starting velocities, uniform in [-speed, speed] per component */
+    double gap_ratio;                   /* lattice: spacing is 2 r_max (1 + gap_ratio) */
+    double solid_fraction;              /* random: of the starting box */
+    double aspect_ratio;                /* starting box: height z over width x (and y = x) */
+    double speed_m_per_s;               /* starting velocities, uniform in [-speed, speed] per component */
 };
 
 enum coupling_scheme { SCHEME_HOLD };
@@ -132,8 +132,7 @@ struct scene {
 
 /* Reads a scene file, applies `n_overrides` assignments "path=value", checks it. `scene` is large: allocate it.
  * Errors: STATUS_IO (no such file), STATUS_CONFIG ("file:line: key: what is wrong; what is allowed"). */
-enum status scene_load(struct scene *scene, const char *path, const char *const *overrides,
-                       int n_overrides) MUST_USE;
+enum status scene_load(struct scene *scene, const char *path, const char *const *overrides, int n_overrides) MUST_USE;
 
 /* The same from a text, e.g. the effective configuration of a recorded run; `name` stands for the file in errors. */
 enum status scene_parse(struct scene *scene, const char *text, const char *name) MUST_USE;
@@ -141,7 +140,8 @@ enum status scene_parse(struct scene *scene, const char *text, const char *name)
 /* Releases what `scene` owns. */
 void scene_free(struct scene *scene);
 
-/* Writes the effective configuration: every key with the value in force; scene_parse reads it back to the same scene. */
+/* Writes the effective configuration: every key with the value in force; scene_parse reads it back to the same scene.
+ */
 void scene_print(FILE *out, const struct scene *scene);
 
 /* Writes docs/scene-reference.md. */

@@ -2,8 +2,8 @@
 #ifndef SHAKEDOWN_COMMON_STATUS_H
 #define SHAKEDOWN_COMMON_STATUS_H
 
-#define MUST_USE           __attribute__((warn_unused_result))
-#define PRINTF_LIKE(f, a)  __attribute__((format(printf, f, a)))
+#define MUST_USE          __attribute__((warn_unused_result))
+#define PRINTF_LIKE(f, a) __attribute__((format(printf, f, a)))
 
 /* name, process exit code, text */
 #define STATUS_LIST(X)                                                                                                 \

@@ -1,4 +1,5 @@
-/* Contacts: the lists of candidate pairs and wall contacts with their history, and the constants of the law. `n` is the unit normal from j (or the wall) to i; forces act on i and, reversed, on j. */
+/* Contacts: the lists of candidate pairs and wall contacts with their history, and the constants of the law. `n` is the
+ * unit normal from j (or the wall) to i; forces act on i and, reversed, on j. */
 #ifndef SHAKEDOWN_SIM_CONTACTS_H
 #define SHAKEDOWN_SIM_CONTACTS_H
 
@@ -9,16 +10,16 @@
 
 /* One stage's law, ready for the kernels. */
 struct contact_law_constants {
-    double k1, k2, kc;      /* N/m; linear law: k1 = k2, kc = 0 */
-    double gamma_n;         /* kg/s */
+    double k1, k2, kc; /* N/m; linear law: k1 = k2, kc = 0 */
+    double gamma_n;    /* kg/s */
     double mu_s, mu_d;
-    double kt, inv_kt;      /* N/m, m/N */
-    double gamma_t;         /* kg/s */
-    double dt;              /* s; 0: forces are evaluated anew and no time passes */
-    double k2_minus_k1;     /* k2 delta_0 = (k2 - k1) delta_max */
-    double branch_ratio;    /* on the adhesion branch delta_max = branch_ratio delta; 0 if k1 = k2 */
-    double loading_loss;    /* hysteresis loss per increase of delta_max^2: k1 (1 - k1/k2) / 2 */
-    double adhesion_loss;   /* and per decrease: kc (1 + kc/k2) ((k2 - k1)/(k2 + kc))^2 / 2 */
+    double kt, inv_kt;    /* N/m, m/N */
+    double gamma_t;       /* kg/s */
+    double dt;            /* s; 0: forces are evaluated anew and no time passes */
+    double k2_minus_k1;   /* k2 delta_0 = (k2 - k1) delta_max */
+    double branch_ratio;  /* on the adhesion branch delta_max = branch_ratio delta; 0 if k1 = k2 */
+    double loading_loss;  /* hysteresis loss per increase of delta_max^2: k1 (1 - k1/k2) / 2 */
+    double adhesion_loss; /* and per decrease: kc (1 + kc/k2) ((k2 - k1)/(k2 + kc))^2 / 2 */
 };
 
 /* Energy lost in contacts since the start of the stage [J]. */
@@ -30,18 +31,18 @@ struct contact_losses {
  * filled up to a whole vector with pairs of the padding particles, which never touch. */
 struct contact_list {
     int count, capacity;
-    int32_t *i;         /* [count] */
-    int32_t *j;         /* [count] other particle, i < j; in the list of a wall: the first padding particle */
-    uint32_t *row_i;    /* where the records of i and j start in particles->record [doubles] */
+    int32_t *i;      /* [count] */
+    int32_t *j;      /* [count] other particle, i < j; in the list of a wall: the first padding particle */
+    uint32_t *row_i; /* where the records of i and j start in particles->record [doubles] */
     uint32_t *row_j;
-    double *reach;      /* a_i + a_j [m] */
-    double *history;    /* delta_max [m]; hysteretic law only */
-    double *spring[3];  /* tangential spring at the middle of the step to come [m]: 1 component in 2D, 3 in 3D */
-    double *sliding;    /* 1: slides, 0: sticks */
-    bool keep_forces;   /* whether the kernels fill force and moment: only walls need them, measurements do not */
-    double *force[3];   /* on i [N], dimension components */
-    double *moment[3];  /* n x f_t [N]: torque on i is -a_i moment, on j -a_j moment; as many as spring */
-    int n_springs;      /* 0 without friction */
+    double *reach;     /* a_i + a_j [m] */
+    double *history;   /* delta_max [m]; hysteretic law only */
+    double *spring[3]; /* tangential spring at the middle of the step to come [m]: 1 component in 2D, 3 in 3D */
+    double *sliding;   /* 1: slides, 0: sticks */
+    bool keep_forces;  /* whether the kernels fill force and moment: only walls need them, measurements do not */
+    double *force[3];  /* on i [N], dimension components */
+    double *moment[3]; /* n x f_t [N]: torque on i is -a_i moment, on j -a_j moment; as many as spring */
+    int n_springs;     /* 0 without friction */
     bool hysteretic;
 };
 

@@ -59,11 +59,11 @@ static enum status check_inside(const struct world *world)
                                (long long)world->step, world->time_s, "xyz"[world_axis(world, c)]);
         for (int i = 0; i < p->count; i++)
             if (!(p->x[c][i] > lo - p->radius[i] && p->x[c][i] < hi + p->radius[i]))
-                return status_fail(STATUS_UNSTABLE,
-                                   "step %lld (t = %g s): particle %d left the box in %c (at %g m, walls at %g and %g m); "
-                                   "a smaller dt_s or exchange interval, or a heavier wall, would help",
-                                   (long long)world->step, world->time_s, i, "xyz"[world_axis(world, c)], p->x[c][i],
-                                   lo, hi);
+                return status_fail(
+                    STATUS_UNSTABLE,
+                    "step %lld (t = %g s): particle %d left the box in %c (at %g m, walls at %g and %g m); "
+                    "a smaller dt_s or exchange interval, or a heavier wall, would help",
+                    (long long)world->step, world->time_s, i, "xyz"[world_axis(world, c)], p -> x[c][i], lo, hi);
     }
     return STATUS_OK;
 }

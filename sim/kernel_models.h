@@ -1,6 +1,6 @@
 /* Instantiates kernel_tmpl.h for every model under the including file's ISA, and the table of them:
  * [dimension - 2][hysteretic][frictional]. */
-#define DIM 2
+#define DIM        2
 #define HYSTERETIC 0
 #define FRICTIONAL 0
 #include "sim/kernel_tmpl.h"
@@ -18,7 +18,7 @@
 #undef DIM
 #undef HYSTERETIC
 #undef FRICTIONAL
-#define DIM 3
+#define DIM        3
 #define HYSTERETIC 0
 #define FRICTIONAL 0
 #include "sim/kernel_tmpl.h"
@@ -36,10 +36,11 @@
 
 #define ENTRY(d, h, f)                                                                                                 \
     {                                                                                                                  \
-        NAME__(pair, ISA, d, h, f), NAME__(wall, ISA, d, h, f), NAME__(drift, ISA, d, h, f), NAME__(kick, ISA, d, h, f) \
+        NAME__(pair, ISA, d, h, f), NAME__(wall, ISA, d, h, f), NAME__(drift, ISA, d, h, f),                           \
+            NAME__(kick, ISA, d, h, f)                                                                                 \
     }
-#define TABLE__(isa)    kernel_table_##isa
-#define TABLE_(isa)     TABLE__(isa)
+#define TABLE__(isa) kernel_table_##isa
+#define TABLE_(isa)  TABLE__(isa)
 
 extern const struct kernels TABLE_(ISA)[2][2][2];
 const struct kernels TABLE_(ISA)[2][2][2] = {

@@ -295,7 +295,8 @@ static void NAME(pair)(struct particles *p, struct contact_list *pairs, const st
     const struct contact_law_constants law = *law_in;
     struct NAME(sums) sums = {real_all(0.0), real_all(0.0), real_all(0.0), real_all(0.0)};
     for (int k = 0; k < pairs->count; k += LANES) {
-        struct NAME(packed) i = NAME(unpack)(p->record, pairs->row_i + k), j = NAME(unpack)(p->record, pairs->row_j + k);
+        struct NAME(packed) i = NAME(unpack)(p->record, pairs->row_i + k),
+                            j = NAME(unpack)(p->record, pairs->row_j + k);
         real d[DIM], n[DIM], g[DIM], w[3] = {0}, spin[3] = {0};
         for (int c = 0; c < DIM; c++) {
             d[c] = i.x[c] - j.x[c];

@@ -100,7 +100,8 @@ LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
 /* The inverse: rows 0 and 2, 1 and 3, 4 and 6, 5 and 7 in one register each. */
 LANES_INLINE void lanes_rows4(const real *column, __m512d *rows)
 {
-    const __m512i front = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0), back = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
+    const __m512i front = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0),
+                  back = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
     __m512d even01 = _mm512_unpacklo_pd(column[0], column[1]), odd01 = _mm512_unpackhi_pd(column[0], column[1]);
     __m512d even23 = _mm512_unpacklo_pd(column[2], column[3]), odd23 = _mm512_unpackhi_pd(column[2], column[3]);
     rows[0] = _mm512_permutex2var_pd(even01, front, even23);

@@ -92,7 +92,8 @@ LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
     for (int c = 0; c < 4; c++)
         to[c] = column[c];
 }
-/* Adds (column[0], column[1]) to the records of 2 at base + i[lane] and subtracts it at j, in the order of the lanes. */
+/* Adds (column[0], column[1]) to the records of 2 at base + i[lane] and subtracts it at j, in the order of the lanes.
+ */
 LANES_INLINE void lanes_add2(double *base, const uint32_t *i, const uint32_t *j, const real *column)
 {
     for (int c = 0; c < 2; c++)

@@ -233,51 +233,65 @@ static double inertial_number(const struct world *world, const struct measuremen
     return pressure > 0 ? rate * 2 * radius * sqrt(world->scene->sample.density_kg_per_m3 / pressure) : 0;
 }
 
-/* Contacts of each particle that is not a rattler; the others are taken out until nothing changes. A particle needs
- * dimension contacts to be held with friction, one more without. */
-static enum status measure_coordination(const struct world *world, struct measurement *m)
+/* Contacts of each particle, those with rattlers left out; returns the number of contact ends counted. */
+static int count_degrees(const struct contact_measurement *contacts, int n, const bool *rattler, int *degree)
+{
+    int ends = 0;
+    for (int k = 0; k < n; k++) {
+        int i = contacts[k].i, j = contacts[k].j;
+        if (rattler[i] || (j >= 0 && rattler[j]))
+            continue;
+        degree[i]++;
+        ends++;
+        if (j >= 0) {
+            degree[j]++;
+            ends++;
+        }
+    }
+    return ends;
+}
+
+/* Rattlers: a particle needs dimension contacts to be held with friction, one more without; taken out until nothing
+ * changes. Scratch: rattler and degree [count], zeroed. */
+static void remove_rattlers(const struct world *world, const struct contact_measurement *contacts, int n, bool *rattler,
+                            int *degree, struct measurement *m)
 {
     const int count = world->particles.count;
     const int needed = world->particles.dimension + (world->particles.n_rotations ? 0 : 1);
-    int n = measure_contacts(world, NULL), held = count, links = 0, removed = 1;
-    struct contact_measurement *contacts = malloc((size_t)(n + 1) * sizeof *contacts);
-    int *degree = calloc((size_t)count, sizeof *degree);
-    bool *out = calloc((size_t)count, sizeof *out);
-    if (!contacts || !degree || !out) {
-        free(contacts);
-        free(degree);
-        free(out);
-        return status_fail(STATUS_NO_MEMORY, "out of memory");
-    }
-    measure_contacts(world, contacts);
+    int held = count, ends = 0, removed = 1;
     while (removed) {
         memset(degree, 0, (size_t)count * sizeof *degree);
-        links = removed = 0;
-        for (int k = 0; k < n; k++) {
-            int i = contacts[k].i, j = contacts[k].j;
-            if (out[i] || (j >= 0 && out[j]))
-                continue;
-            degree[i]++;
-            links++;
-            if (j >= 0) {
-                degree[j]++;
-                links++;
-            }
-        }
+        ends = count_degrees(contacts, n, rattler, degree);
+        removed = 0;
         for (int i = 0; i < count; i++)
-            if (!out[i] && degree[i] < needed) {
-                out[i] = true;
+            if (!rattler[i] && degree[i] < needed) {
+                rattler[i] = true;
                 removed++;
-                held--;
             }
+        held -= removed;
     }
-    m->coordination = (2.0 * m->n_contacts + m->n_wall_contacts) / count;
-    m->coordination_no_rattlers = held ? (double)links / held : 0;
+    m->coordination_no_rattlers = held ? (double)ends / held : 0;
     m->rattler_fraction = (double)(count - held) / count;
+}
+
+static enum status measure_coordination(const struct world *world, struct measurement *m)
+{
+    const int count = world->particles.count, n = m->n_contacts + m->n_wall_contacts;
+    struct contact_measurement *contacts = malloc((size_t)(n + 1) * sizeof *contacts);
+    int *degree = calloc((size_t)count, sizeof *degree);
+    bool *rattler = calloc((size_t)count, sizeof *rattler);
+    enum status status = STATUS_OK;
+    m->coordination = (2.0 * m->n_contacts + m->n_wall_contacts) / count;
+    if (contacts && degree && rattler) {
+        measure_contacts(world, contacts);
+        remove_rattlers(world, contacts, n, rattler, degree, m);
+    } else {
+        status = status_fail(STATUS_NO_MEMORY, "out of memory");
+    }
     free(contacts);
     free(degree);
-    free(out);
-    return STATUS_OK;
+    free(rattler);
+    return status;
 }
 
 static void measure_energies(const struct world *world, struct measurement *m)
@@ -288,7 +302,8 @@ static void measure_energies(const struct world *world, struct measurement *m)
     m->elastic_normal_j = elastic.normal_j;
     m->elastic_tangential_j = elastic.tangential_j;
     m->work_gravity_j = ledger->potential_start - measure_potential_energy_j(world);
-    double stored = m->kinetic_j - ledger->kinetic_start + elastic.normal_j + elastic.tangential_j - ledger->elastic_start;
+    double stored =
+        m->kinetic_j - ledger->kinetic_start + elastic.normal_j + elastic.tangential_j - ledger->elastic_start;
     double lost = ledger->contacts.hysteresis + ledger->contacts.viscous_normal + ledger->contacts.viscous_tangential +
                   ledger->contacts.friction + ledger->background;
     m->residual_j = ledger->work_walls + m->work_gravity_j - stored - lost;

@@ -13,7 +13,8 @@ struct elastic_energy {
 };
 struct elastic_energy measure_elastic_energy(const struct world *world);
 
-/* Upper bound of each wall's tangent stiffness, sum of k2, and damping, sum of gamma_n, over its contacts; [n_walls]. */
+/* Upper bound of each wall's tangent stiffness, sum of k2, and damping, sum of gamma_n, over its contacts; [n_walls].
+ */
 void measure_wall_stiffness(const struct world *world, double *stiffness_n_per_m, double *damping_kg_per_s);
 
 /* Everything of a sample_t but its header. Tensors row major, dimension x dimension; compression positive. */

@@ -249,8 +249,8 @@ static enum status build_wall(struct neighbor *nb, const struct particles *p, st
     return STATUS_OK;
 }
 
-enum status neighbor_build(struct neighbor *nb, struct particles *p, struct contact_list *pairs,
-                           struct wall *walls, int n_walls)
+enum status neighbor_build(struct neighbor *nb, struct particles *p, struct contact_list *pairs, struct wall *walls,
+                           int n_walls)
 {
     TRY(build_pairs(nb, p, pairs));
     for (int w = 0; w < n_walls; w++)

@@ -148,9 +148,9 @@ static enum status insert_all(struct particles *p, struct grid *grid, const doub
                 x[c] = p->radius[i] + (hi[c] - 2 * p->radius[i]) * random_uniform(random);
         } while (overlaps(p, grid, x, p->radius[i]) && ++tries < TRIES);
         if (tries == TRIES)
-            return status_fail(STATUS_LIMIT,
-                               "random start: no room for particle %d of %d after %d tries; lower sample.solid_fraction",
-                               i, p->count, TRIES);
+            return status_fail(
+                STATUS_LIMIT, "random start: no room for particle %d of %d after %d tries; lower sample.solid_fraction",
+                i, p->count, TRIES);
         for (int c = 0; c < p->dimension; c++)
             p->x[c][i] = x[c];
         grid_insert(grid, p, i);

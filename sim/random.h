@@ -9,7 +9,7 @@ struct random {
 };
 
 void random_init(struct random *random, uint64_t seed);
-double random_uniform(struct random *random);                   /* in [0, 1) */
-double random_normal(struct random *random);                    /* mean 0, s.d. 1 (Marsaglia's polar method) */
+double random_uniform(struct random *random); /* in [0, 1) */
+double random_normal(struct random *random);  /* mean 0, s.d. 1 (Marsaglia's polar method) */
 
 #endif
