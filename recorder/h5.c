@@ -115,8 +115,7 @@ enum status h5_file_sync(hid_t file)
     void *handle;
     TRY(h5_file_flush(file));
     TRY(check(H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0, "flush", "run.h5"));
-    return fsync(*(int *)handle) == 0 ? STATUS_OK
-                                      : status_fail(STATUS_IO, "cannot write run.h5: %s", strerror(errno));
+    return fsync(*(int *)handle) == 0 ? STATUS_OK : status_fail(STATUS_IO, "cannot write run.h5: %s", strerror(errno));
 }
 
 enum status h5_file_close(hid_t file)
@@ -321,8 +320,7 @@ enum status h5_attribute_read(hid_t file, const char *path, const char *name, hi
 {
     hid_t id = H5Aopen_by_name(file, path, name, H5P_DEFAULT, H5P_DEFAULT);
     bool ok = id >= 0 && H5Aread(id, type, value) >= 0;
-    enum status status =
-        ok ? STATUS_OK : status_fail(STATUS_FORMAT, "run.h5: %s has no attribute %s", path, name);
+    enum status status = ok ? STATUS_OK : status_fail(STATUS_FORMAT, "run.h5: %s has no attribute %s", path, name);
     return release(status, id, H5Aclose, name);
 }
 

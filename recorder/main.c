@@ -54,7 +54,8 @@ static enum status arguments_read(struct arguments *arguments, int argc, char **
     if (!arguments->from && !line->run_id_given)
         return status_fail(STATUS_USAGE, "--run-id N or --from LOG is missing (see --help)");
     if (arguments->resume && arguments->from)
-        return status_fail(STATUS_USAGE, "--resume is for the bus: a log that was gone on with is converted as a whole");
+        return status_fail(STATUS_USAGE,
+                           "--resume is for the bus: a log that was gone on with is converted as a whole");
     return timeout_read(arguments);
 }
 

@@ -87,7 +87,8 @@ enum status table_create(struct table **table, hid_t file, const struct table_op
     return table_start(table, file, options, true);
 }
 
-/* A compressed block that is not full is taken back into memory, as it is written whole. The file keeps it until then. */
+/* A compressed block that is not full is taken back into memory, as it is written whole. The file keeps it until then.
+ */
 static enum status cut(struct table *table, hsize_t rows)
 {
     table->waiting = table->whole_blocks ? rows % table->block : 0;

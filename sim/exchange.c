@@ -23,8 +23,7 @@ static void on_command(const lcm_recv_buf_t *buffer, const char *channel, void *
 }
 
 enum status exchange_init(struct exchange *exchange, const struct scene *scene, struct bus *bus,
-                          struct record_stream *stream, int64_t run_id, bool in_process,
-                          struct replay *replay)
+                          struct record_stream *stream, int64_t run_id, bool in_process, struct replay *replay)
 {
     *exchange = (struct exchange){.scene = scene,
                                   .bus = bus,

@@ -108,8 +108,8 @@ enum status records_send_start(struct records *records, const struct world *worl
     const int per_chunk = CHUNK_BYTES / (2 * (int)sizeof(double)), count = world->particles.count;
     const int n_chunks = chunks_of(count, per_chunk);
     for (int k = 0; status == STATUS_OK && k < n_chunks; k++)
-        status = send_particles_chunk(records, world, k, n_chunks, k * per_chunk,
-                                      at_most(per_chunk, count - k * per_chunk));
+        status =
+            send_particles_chunk(records, world, k, n_chunks, k * per_chunk, at_most(per_chunk, count - k * per_chunk));
     return status;
 }
 
@@ -118,10 +118,8 @@ enum status records_send_checkpoint(struct records *records, const struct world 
     int64_t total[RECORD_CHANNELS];
     for (int c = 0; c < RECORD_CHANNELS; c++)
         total[c] = record_stream_total(records->stream, c);
-    shakedown_checkpoint_t message = {.n_channels = RECORD_CHANNELS,
-                                      .total = total,
-                                      .n_frames = records->n_frames,
-                                      .wall_states = wall_states};
+    shakedown_checkpoint_t message = {
+        .n_channels = RECORD_CHANNELS, .total = total, .n_frames = records->n_frames, .wall_states = wall_states};
     SEND(records, world, RECORD_CHECKPOINT, checkpoint_t, &message);
 }
 

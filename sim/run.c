@@ -35,14 +35,14 @@ struct run {
     struct exchange exchange;
     double fraction_done;
     struct run_energies energies; /* for the controller's conditions */
-    int frame_strain_next; /* index in frame_strains */
+    int frame_strain_next;        /* index in frame_strains */
     double start_s, status_s;
     int64_t status_step, status_seq;
     double steps_per_second;
-    bool resumed;                    /* went on from `before` */
-    struct run_progress before;      /* zero for a run from the start */
-    struct run_energies told;        /* with the last state */
-    double checkpoint_s;             /* when the last one was written */
+    bool resumed;               /* went on from `before` */
+    struct run_progress before; /* zero for a run from the start */
+    struct run_energies told;   /* with the last state */
+    double checkpoint_s;        /* when the last one was written */
 };
 
 static const struct scene_stage *stage_of(const struct run *run)
@@ -331,8 +331,8 @@ static bool record_goes_on(const struct run *run)
     return run->resumed && run->before.record_total[RECORD_RUN_INFO] > 0;
 }
 
-/* The stream and the log as they were at the checkpoint. RUN_INFO and PARTICLES are said again on a bus, as the recorder
- * is a new one. */
+/* The stream and the log as they were at the checkpoint. RUN_INFO and PARTICLES are said again on a bus, as the
+ * recorder is a new one. */
 static enum status resume_records(struct run *run)
 {
     int64_t total[RECORD_CHANNELS];
@@ -439,9 +439,14 @@ enum status run_scene(const struct scene *scene, const struct run_options *optio
     if (run.bus.lcm || run.bus.log)
         bus_close(&run.bus);
     if (options->progress)
-        fprintf(stderr, "sim: %" PRId64 " steps, %.3f s, %.2f us per step, %" PRId64 " list builds, %d candidates, hash %016" PRIx64 "\n", run.world->step,
-                clock_now_s() - run.start_s,
-                run.world->step > first_step ? 1e6 * (clock_now_s() - run.start_s) / (double)(run.world->step - first_step) : 0, run.world->neighbor.rebuilds, run.world->pairs.count, world_hash(run.world));
+        fprintf(stderr,
+                "sim: %" PRId64 " steps, %.3f s, %.2f us per step, %" PRId64
+                " list builds, %d candidates, hash %016" PRIx64 "\n",
+                run.world->step, clock_now_s() - run.start_s,
+                run.world->step > first_step
+                    ? 1e6 * (clock_now_s() - run.start_s) / (double)(run.world->step - first_step)
+                    : 0,
+                run.world->neighbor.rebuilds, run.world->pairs.count, world_hash(run.world));
     world_free(run.world);
     return status;
 }
