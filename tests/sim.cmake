@@ -26,3 +26,10 @@ add_test(NAME sim_bad_scenes
          COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_bad_scenes.sh $<TARGET_FILE:sim> ${CMAKE_CURRENT_LIST_DIR}/bad_scenes
                  ${CMAKE_CURRENT_LIST_DIR}/scenes/small.cfg)
 set_tests_properties(sim_bad_scenes PROPERTIES LABELS unit TIMEOUT 60)
+
+# Parts of the simulator, and every scene that is shipped.
+file(GLOB SHIPPED_SCENES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/scenes/*.cfg)
+add_executable(test_sim_unit ${CMAKE_CURRENT_LIST_DIR}/test_sim_unit.c)
+target_link_libraries(test_sim_unit PRIVATE sim_fixture)
+add_test(NAME sim_unit COMMAND test_sim_unit ${CMAKE_CURRENT_LIST_DIR}/scenes/small.cfg ${SHIPPED_SCENES})
+set_tests_properties(sim_unit PROPERTIES LABELS unit TIMEOUT 120)
