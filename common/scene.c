@@ -34,6 +34,8 @@ static const struct key material_keys[] = {
      "static friction coefficient; 0 in all stages: no friction and no rotation are modelled"},
     {"mu_d", KEY_FLOAT, OF(scene_material, mu_d), NULL, -1, 100, "-1", NULL, NULL,
      "dynamic friction coefficient, at most mu_s; -1: equal to mu_s"},
+    {"wall_friction", KEY_FLOAT, OF(scene_material, wall_friction), NULL, 0, 100, "1", NULL, NULL,
+     "mu_s and mu_d of particles on walls over those between particles; 0: smooth walls"},
     {"kt_n_per_m", KEY_FLOAT, OF(scene_material, kt_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
      "tangential stiffness"},
     {"gamma_t_kg_per_s", KEY_FLOAT, OF(scene_material, gamma_t_kg_per_s), "kg/s", 0, INFINITY, "0", NULL, NULL,

@@ -26,6 +26,7 @@ struct scene_material {
     double gamma_n_kg_per_s; /* gamma_0, normal dissipation */
     double mu_s;             /* static and dynamic Coulomb coefficient; both 0: no friction, no rotation */
     double mu_d;             /* negative in the file's default: as mu_s */
+    double wall_friction;    /* mu_s and mu_d of walls over those between particles; 0: smooth walls */
     double kt_n_per_m;
     double gamma_t_kg_per_s;
     double gamma_b_kg_per_s;  /* background damping of translation */

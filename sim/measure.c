@@ -178,7 +178,7 @@ static void add_contacts(const struct world *world, int l, struct measurement *m
         struct contact_forces f = contact_forces(world, l, k, &g);
         double smaller_radius = pair ? fmin(p->radius[list->i[k]], p->radius[list->j[k]]) : p->radius[list->i[k]];
         m->max_overlap_ratio = fmax(m->max_overlap_ratio, g.overlap / smaller_radius);
-        *sliding += list->n_springs && list->sliding[k] > 0;
+        *sliding += pair && list->n_springs && list->sliding[k] > 0;
         m->n_contacts += pair;
         m->n_wall_contacts += !pair;
         for (int a = 0; a < dim; a++)
@@ -219,18 +219,25 @@ static void measure_box(const struct world *world, struct measurement *m)
     m->solid_fraction = solid_volume(&world->particles) / volume;
 }
 
-/* Inertial number of the fastest strain rate: |rate| 2 <a> sqrt(rho/p), p the mean wall stress. */
+/* Inertial number of the fastest strain rate, p the mean wall stress: 3D |rate| 2 <a> sqrt(rho/p), 2D |rate|
+ * sqrt(<m>/p) as the spheres are not as deep as the box. */
 static double inertial_number(const struct world *world, const struct measurement *m)
 {
     const int dim = world->particles.dimension;
-    double rate = 0, pressure = 0, radius = 0;
+    const struct particles *p = &world->particles;
+    double rate = 0, pressure = 0, radius = 0, mass = 0;
     for (int c = 0; c < dim; c++) {
         rate = fmax(rate, fabs(world->walls[2 * c + 1].v - world->walls[2 * c].v) / m->box_length_m[c]);
         pressure += m->stress_wall_pa[c] / dim;
     }
-    for (int i = 0; i < world->particles.count; i++)
-        radius += world->particles.radius[i] / world->particles.count;
-    return pressure > 0 ? rate * 2 * radius * sqrt(world->scene->sample.density_kg_per_m3 / pressure) : 0;
+    for (int i = 0; i < p->count; i++) {
+        radius += p->radius[i] / p->count;
+        mass += p->mass[i] / p->count;
+    }
+    if (!(pressure > 0))
+        return 0;
+    return rate *
+           (dim == 2 ? sqrt(mass / pressure) : 2 * radius * sqrt(world->scene->sample.density_kg_per_m3 / pressure));
 }
 
 /* Contacts of each particle, those with rattlers left out; returns the number of contact ends counted. */
@@ -318,8 +325,7 @@ enum status measure(const struct world *world, struct measurement *m)
         m->fabric[k] /= m->n_contacts;
     for (int w = 0; w < world->n_walls; w++)
         add_contacts(world, 1 + w, m, &sliding);
-    int total = m->n_contacts + m->n_wall_contacts;
-    m->sliding_fraction = total ? (double)sliding / total : 0;
+    m->sliding_fraction = m->n_contacts ? (double)sliding / m->n_contacts : 0;
     measure_box(world, m);
     m->inertial_number = inertial_number(world, m);
     measure_energies(world, m);
