@@ -10,7 +10,7 @@ foreach(part_label contact:physics sample:physics kernels:kernel)
   add_executable(test_sim_${part} ${CMAKE_CURRENT_LIST_DIR}/test_sim_${part}.c)
   target_link_libraries(test_sim_${part} PRIVATE sim_fixture)
   add_test(NAME sim_${part} COMMAND test_sim_${part})
-  set_tests_properties(sim_${part} PROPERTIES LABELS ${label} TIMEOUT 120)
+  set_tests_properties(sim_${part} PROPERTIES LABELS ${label} TIMEOUT 300)
 endforeach()
 
 # The real processes. 125: no private network namespace to be had here; in_namespace.sh says why.
