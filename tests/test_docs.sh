@@ -1,0 +1,109 @@
+#!/usr/bin/env bash
+# What the documentation says about the code. Usage: test_docs.sh reference|channels|links|guards FOLDER SIM
+set -uo pipefail
+
+failures=0
+
+complain() {
+    printf '%s\n' "$*"
+    failures=$((failures + 1))
+}
+
+same() { # WHAT EXPECTED GOT
+    [ "$2" = "$3" ] || complain "$1:" $'\n'"$(diff <(echo "$2") <(echo "$3"))"
+}
+
+reference() { # FOLDER
+    "$sim" --reference | diff "$1/docs/scene-reference.md" - ||
+        complain "docs/scene-reference.md is not what sim --reference prints: ./shakedown docs"
+}
+
+recorded_channels() { # FOLDER: those of the record stream, in order
+    sed -n '/^#define RECORD_CHANNEL_LIST/,/[^\\]$/s/^ *X(\([A-Z_]*\)).*/\1/p' "$1/common/bus.h"
+}
+
+channels_in_code() { # FOLDER
+    recorded_channels "$1"
+    sed -n 's/^#define CHANNEL_[A-Z_]* *"\([A-Z_]*\)"$/\1/p' "$1/common/bus.h"
+}
+
+# Rows of the table: | `CHANNEL` | `type` | ...
+rows_in_table() { # FOLDER COLUMN
+    sed -n 's/^| `\([A-Z_]*\)` | `\([a-z_]*\)` |.*/\1 \2/p' "$1/lcmtypes/CHANNELS.md" | cut -d' ' -f"$2"
+}
+
+channels() { # FOLDER
+    local file types=()
+    [ "$(channels_in_code "$1" | wc -l)" -ge 10 ] || complain "common/bus.h: channels were not found"
+    same "channels, code against table" "$(channels_in_code "$1" | sort)" "$(rows_in_table "$1" 1 | sort)"
+    for file in "$1"/lcmtypes/*.lcm; do
+        types+=("$(basename "$file" .lcm)")
+    done
+    same "types, lcmtypes/ against table" "$(printf '%s\n' "${types[@]}" | sort)" "$(rows_in_table "$1" 2 | sort)"
+    same "order of the record stream" "$(recorded_channels "$1" | paste -sd' ')" \
+        "$(sed -n 's/.*recorded channels `\([A-Z_ ]*\)`.*/\1/p' "$1/lcmtypes/CHANNELS.md")"
+}
+
+# GitHub's names of the headings of a file.
+anchors() { # FILE
+    sed -n 's/^##* *//p' "$1" | tr '[:upper:]' '[:lower:]' | sed 's/[^[:alnum:] _-]//g; s/ /-/g'
+}
+
+link_check() { # FROM LINK
+    local path=${2%%#*} target
+    case $2 in http://* | https://*) return ;; esac
+    target=$1
+    [ -z "$path" ] || target=$(dirname "$1")/$path
+    if [ ! -e "$target" ]; then
+        complain "$1: $2 is not there"
+    elif [[ $2 == *'#'* ]] && ! anchors "$target" | grep -qxF -- "${2#*#}"; then
+        complain "$1: $2: no such heading"
+    fi
+}
+
+links() { # FOLDER
+    local file link count=0
+    while read -r file; do
+        while read -r link; do
+            link_check "$file" "$link"
+            count=$((count + 1))
+        done < <(sed 's/`[^`]*`//g' "$file" | grep -o ']([^) ]*)' | sed 's/^](//; s/)$//')
+    done < <(cd "$1" && find . -name '*.md' -not -path './build*' -not -path './runs/*' -not -path '*/.*' | sed "s:^\.:$1:")
+    [ "$count" -gt 0 ] || complain "no link was found"
+}
+
+passes() { # CHECK FOLDER
+    (failures=0; "$1" "$2" >/dev/null; [ "$failures" -eq 0 ])
+}
+
+# The check must pass on a copy, and no longer once that is damaged.
+damage() { # CHECK FILE SED-EXPRESSION
+    local copy=$work/copy
+    rm -rf "$copy"
+    mkdir "$copy"
+    ln -s "$root"/* "$copy"
+    rm "$copy"/{docs,lcmtypes,common,README.md}
+    cp -r "$root"/{docs,lcmtypes,common,README.md} "$copy"
+    passes "$1" "$copy" || complain "the check '$1' fails on an undamaged copy"
+    sed -i "$3" "$copy/$2"
+    cmp -s "$root/$2" "$copy/$2" && complain "nothing to damage in $2: $3"
+    passes "$1" "$copy" && complain "the check '$1' did not find, in $2: $3"
+}
+
+guards() { # FOLDER
+    work=$(mktemp -d)
+    trap 'rm -rf "$work"' EXIT
+    damage reference docs/scene-reference.md '/mu_s/d'
+    damage channels lcmtypes/CHANNELS.md '/^| `STATUS`/d'
+    damage channels lcmtypes/CHANNELS.md 's/`end_t`/`finish_t`/'
+    damage channels lcmtypes/CHANNELS.md 's/`RUN_INFO PARTICLES/`PARTICLES RUN_INFO/'
+    damage channels common/bus.h '/^ *X(PARTICLES)/d'
+    damage channels common/bus.h 's/"STATUS"/"STATE"/'
+    damage links docs/design.md 's/(theory.md)/(theories.md)/'
+    damage links docs/design.md 's/(theory.md)/(theory.md#no-such-heading)/'
+}
+
+[ $# -eq 3 ] || { echo "usage: test_docs.sh reference|channels|links|guards FOLDER SIM" >&2; exit 2; }
+root=$2 sim=$3
+"$1" "$root"
+[ "$failures" -eq 0 ]
