@@ -119,6 +119,7 @@ case_fake_usage() {
     expect_text last.out '^usage: ./shakedown COMMAND'
     local arguments
     for arguments in 'fly' 'run' 'run --fast good.cfg' 'run good.cfg other.cfg' 'run good.cfg --set' 'run good.cfg --out' \
+        'run --resume' 'run good.cfg --resume .' \
         'analyze' 'replay' 'watch' 'bench' 'bench nothing' 'study nothing'; do
         # shellcheck disable=SC2086 # words on purpose
         shakedown $arguments
