@@ -12,11 +12,11 @@ struct exchange {
     struct bus *bus;
     struct record_stream *stream; /* served while waiting */
     int64_t run_id;
-    bool in_process;  /* the law is called here */
+    bool in_process;       /* the law is called here */
     struct replay *replay; /* answers come from a log; NULL: not */
-    bool log_walls;   /* in_process: publish states and commands all the same, for the record */
-    int64_t seq;      /* of the next state */
-    int64_t repeated; /* states sent again */
+    bool log_walls;        /* in_process: publish states and commands all the same, for the record */
+    int64_t seq;           /* of the next state */
+    int64_t repeated;      /* states sent again */
     bool answered;
     struct wall_command answer;
     int64_t asked_step;

@@ -35,8 +35,8 @@ static enum status replay_log(const struct scene *scene, const struct command_li
     struct run_options run = {.run_id = line->run_id, .replay = &replay};
     enum status status = run_scene(scene, &run);
     replay_close(&replay);
-    printf("%" PRId64 " wall states equal, %" PRId64 " commands carried out, %" PRId64 " messages of other runs, %" PRId64
-           " malformed\n",
+    printf("%" PRId64 " wall states equal, %" PRId64 " commands carried out, %" PRId64
+           " messages of other runs, %" PRId64 " malformed\n",
            replay.counts.states, replay.counts.commands, replay.counts.foreign, replay.counts.malformed);
     return status;
 }
@@ -81,16 +81,12 @@ static enum status load_and_act(const struct command_line *line, const struct op
 int main(int argc, char **argv)
 {
     struct options options = {0};
-    const struct command_line_option own[] = {{"in-process", NULL, &options.in_process},
-                                              {"progress", NULL, &options.progress},
-                                              {"check", NULL, &options.check},
-                                              {"explain", NULL, &options.explain},
-                                              {"effective", NULL, &options.effective},
-                                              {"reference", NULL, &options.reference},
-                                              {"replay", &options.replay, NULL},
-                                              {"checkpoint", &options.checkpoint, NULL},
-                                              {"resume", &options.resume, NULL},
-                                              {NULL, NULL, NULL}};
+    const struct command_line_option own[] = {
+        {"in-process", NULL, &options.in_process}, {"progress", NULL, &options.progress},
+        {"check", NULL, &options.check},           {"explain", NULL, &options.explain},
+        {"effective", NULL, &options.effective},   {"reference", NULL, &options.reference},
+        {"replay", &options.replay, NULL},         {"checkpoint", &options.checkpoint, NULL},
+        {"resume", &options.resume, NULL},         {NULL, NULL, NULL}};
     struct command_line line;
     enum status status = command_line_parse(&line, argc, argv, own);
     if (status == STATUS_OK && (line.help || options.reference)) {
