@@ -35,7 +35,9 @@ static int choice_index(const struct key *key, const char *text)
 static const char *range_text(const struct key *key, char *text, size_t size)
 {
     const char *unit = key->unit ? key->unit : "";
-    if (isinf(key->max))
+    if (isinf(key->max) && isinf(key->min))
+        snprintf(text, size, "any number %s", unit);
+    else if (isinf(key->max))
         snprintf(text, size, "at least %g %s", key->min, unit);
     else
         snprintf(text, size, "%g to %g %s", key->min, key->max, unit);

@@ -327,7 +327,7 @@ static enum status parse(struct scene *scene, const char *text, const char *name
     return scene->text ? STATUS_OK : status_fail(STATUS_NO_MEMORY, "out of memory");
 }
 
-/* The whole file as a string, at most 64 kB (it travels in one message). */
+/* The whole file as a string; it travels in one message with the effective configuration. */
 static enum status file_read(const char *path, char **text)
 {
     enum { LIMIT = 24 * 1024 };
@@ -369,12 +369,37 @@ static enum status checkpoint_resolve(struct scene *scene, const char *path)
     return STATUS_OK;
 }
 
+/* RUN_INFO carries the text and the effective configuration in one message of at most 60 kB. */
+static enum status check_message_size(const struct scene *scene, const char *path)
+{
+    enum { LIMIT = 58000 };
+    char *effective = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&effective, &size);
+    if (!out)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    scene_print(out, scene);
+    bool failed = fclose(out) != 0;
+    free(effective);
+    if (failed)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    if (size + strlen(scene->text) > LIMIT)
+        return status_fail(
+            STATUS_CONFIG,
+            "%s: the file and its effective configuration (%zu bytes) exceed the %d bytes that a message "
+            "can carry; fewer stages or shorter comments would fit",
+            path, size + strlen(scene->text), LIMIT);
+    return STATUS_OK;
+}
+
 enum status scene_load(struct scene *scene, const char *path, const char *const *overrides, int n_overrides)
 {
     char *text = NULL;
     TRY(file_read(path, &text));
     enum status status = parse(scene, text, path, overrides, n_overrides);
     free(text);
+    if (status == STATUS_OK)
+        status = check_message_size(scene, path);
     return status == STATUS_OK ? checkpoint_resolve(scene, path) : status;
 }
 

@@ -54,19 +54,23 @@ static bool move_walls(struct world *world)
 /* Finds what the lists could not cope with; walls and particles may overlap, but not pass each other. */
 static enum status check_inside(const struct world *world)
 {
-    const struct particles *p = &world->particles;
-    for (int c = 0; c < p->dimension; c++) {
-        double lo = world->walls[2 * c].x, hi = world->walls[2 * c + 1].x;
+    const struct particles *particles = &world->particles;
+    const long long step = world->step;
+    for (int c = 0; c < particles->dimension; c++) {
+        const double lo = world->walls[2 * c].x, hi = world->walls[2 * c + 1].x, *x = particles->x[c];
+        const char axis = "xyz"[world_axis(world, c)];
         if (!(hi > lo))
-            return status_fail(STATUS_UNSTABLE, "step %lld (t = %g s): the walls in %c have passed each other",
-                               (long long)world->step, world->time_s, "xyz"[world_axis(world, c)]);
-        for (int i = 0; i < p->count; i++)
-            if (!(p->x[c][i] > lo - p->radius[i] && p->x[c][i] < hi + p->radius[i]))
-                return status_fail(
-                    STATUS_UNSTABLE,
-                    "step %lld (t = %g s): particle %d left the box in %c (at %g m, walls at %g and %g m); "
-                    "a smaller dt_s or exchange interval, or a heavier wall, would help",
-                    (long long)world->step, world->time_s, i, "xyz"[world_axis(world, c)], p -> x[c][i], lo, hi);
+            return status_fail(STATUS_UNSTABLE, "step %lld (t = %g s): the walls in %c have passed each other", step,
+                               world->time_s, axis);
+        for (int i = 0; i < particles->count; i++) {
+            if (x[i] > lo - particles->radius[i] && x[i] < hi + particles->radius[i])
+                continue;
+            return status_fail(
+                STATUS_UNSTABLE,
+                "step %lld (t = %g s): particle %d left the box in %c (at %g m, walls at %g and %g m); a "
+                "smaller dt_s or exchange interval, or a heavier wall, would help",
+                step, world->time_s, i, axis, x[i], lo, hi);
+        }
     }
     return STATUS_OK;
 }
