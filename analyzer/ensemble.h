@@ -22,6 +22,7 @@ struct ensemble_member {
     int64_t seed;
     bool complete;
     char verdict[16]; /* "" if there is none */
+    double key_value; /* of a series' key, set by the caller; 0 */
     struct quantity quantity[QUANTITIES];
 };
 

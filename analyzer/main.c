@@ -1,5 +1,5 @@
-/* analyzer [--out DIR] [--no-plots] DIR... : parameters, curves and plots from DIR/run.h5, and an ensemble over
- * several. */
+/* analyzer [--out DIR] [--no-plots] [--series KEY] DIR... : parameters, curves and plots from DIR/run.h5, and an
+ * ensemble over several. */
 #include <errno.h>
 #include <getopt.h>
 #include <stdio.h>
@@ -10,31 +10,38 @@
 #include "analyzer/analysis.h"
 #include "analyzer/ensemble.h"
 #include "analyzer/plots.h"
+#include "analyzer/series.h"
 
 static const char usage[] =
-    "usage: analyzer [--out DIR] [--no-plots] DIR...\n"
+    "usage: analyzer [--out DIR] [--no-plots] [--series KEY] DIR...\n"
     "  Reads DIR/run.h5 and writes into DIR: analysis.json, curves.csv, plots (.gp, .svg, .png);\n"
     "  of cyclic tests also cycles.csv. Prints a table. Several DIR: an ensemble as well.\n"
     "  --out DIR    where ensemble.json goes (made if missing); without it the ensemble is only printed\n"
-    "  --no-plots   do not run gnuplot\n";
+    "  --series KEY the runs differ in this key of the scene, e.g. material.mu_s: a table over it instead of the\n"
+    "               ensemble, and in --out also series.csv and a plot; runs of one name are one curve\n"
+    "  --no-plots   do not run gnuplot for the single runs\n";
 
 struct options {
-    const char *out; /* NULL: no ensemble.json */
+    const char *out;    /* NULL: no ensemble.json */
+    const char *series; /* key of the scene; NULL: an ensemble */
     bool plots;
 };
 
 static enum status options_read(int argc, char **argv, struct options *options, bool *help)
 {
     static const struct option known[] = {{"out", required_argument, NULL, 'o'},
+                                          {"series", required_argument, NULL, 's'},
                                           {"no-plots", no_argument, NULL, 'n'},
                                           {"help", no_argument, NULL, 'h'},
                                           {0}};
     int c;
-    *options = (struct options){NULL, true};
+    *options = (struct options){NULL, NULL, true};
     *help = false;
     while ((c = getopt_long(argc, argv, "o:h", known, NULL)) != -1) {
         if (c == 'o')
             options->out = optarg;
+        else if (c == 's')
+            options->series = optarg;
         else if (c == 'n')
             options->plots = false;
         else if (c == 'h')
@@ -59,6 +66,8 @@ static enum status report(const struct analysis *analysis, const struct options 
     TRY(analysis_write(analysis));
     analysis_print(stdout, analysis);
     TRY(ensemble_add(ensemble, analysis));
+    if (options->series)
+        TRY(series_key_value(analysis->run.scene, options->series, &ensemble->member[ensemble->n - 1].key_value));
     if (options->plots)
         TRY(plots_write(analysis, &n_plots));
     printf("results: %s/analysis.json, curves.csv%s, %d plots (.svg, .png)\n\n", analysis->directory,
@@ -80,14 +89,30 @@ static enum status analyse(const char *directory, const struct options *options,
     return status;
 }
 
-static enum status ensemble_report(const struct ensemble *ensemble, const struct options *options)
+static enum status series_report(struct ensemble *ensemble, const struct options *options)
+{
+    int curves;
+    series_sort(ensemble);
+    series_print(stdout, ensemble, options->series);
+    if (!options->out)
+        return STATUS_OK;
+    TRY(series_write(ensemble, options->series, options->out, &curves));
+    if (curves > 0)
+        TRY(plots_run(options->out, "series"));
+    printf("results: %s/series.csv%s\n", options->out, curves > 0 ? ", series.svg" : "");
+    return STATUS_OK;
+}
+
+static enum status ensemble_report(struct ensemble *ensemble, const struct options *options)
 {
     char path[2048];
+    if (options->out && mkdir(options->out, 0777) != 0 && errno != EEXIST)
+        return status_fail(STATUS_IO, "%s: %s", options->out, strerror(errno));
+    if (options->series)
+        return series_report(ensemble, options);
     TRY(ensemble_print(stdout, ensemble));
     if (!options->out)
         return STATUS_OK;
-    if (mkdir(options->out, 0777) != 0 && errno != EEXIST)
-        return status_fail(STATUS_IO, "%s: %s", options->out, strerror(errno));
     if (snprintf(path, sizeof path, "%s/ensemble.json", options->out) >= (int)sizeof path)
         return status_fail(STATUS_USAGE, "%.60s...: the path is too long", options->out);
     TRY(ensemble_write(ensemble, path));

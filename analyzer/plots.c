@@ -230,8 +230,7 @@ static enum status script_write(const struct analysis *analysis, const struct pl
     return STATUS_OK;
 }
 
-/* Runs `gnuplot <stem>.gp` in the directory and waits for it. */
-static enum status gnuplot_run(const char *directory, const char *stem)
+enum status plots_run(const char *directory, const char *stem)
 {
     char program[] = "gnuplot", script[64];
     char *const arguments[] = {program, script, NULL};
@@ -265,7 +264,7 @@ enum status plots_write(const struct analysis *analysis, int *n_made)
         if (kinds[k].cyclic && analysis->cycles.n == 0)
             continue;
         TRY(script_write(analysis, &kinds[k]));
-        TRY(gnuplot_run(analysis->directory, kinds[k].stem));
+        TRY(plots_run(analysis->directory, kinds[k].stem));
         (*n_made)++;
     }
     return STATUS_OK;

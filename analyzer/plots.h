@@ -11,4 +11,7 @@
  * not installed or fails. */
 enum status plots_write(const struct analysis *analysis, int *n_made) MUST_USE;
 
+/* Runs `gnuplot <stem>.gp` in the directory and waits for it. STATUS_IO if it is not installed or fails. */
+enum status plots_run(const char *directory, const char *stem) MUST_USE;
+
 #endif
