@@ -33,7 +33,7 @@ struct contact_list {
     int count, capacity;
     int32_t *i;      /* [count] */
     int32_t *j;      /* [count] other particle, i < j; in the list of a wall: the first padding particle */
-    uint32_t *row_i; /* where the records of i and j start in particles->record [doubles] */
+    uint32_t *row_i; /* where the records of i and j start [doubles] */
     uint32_t *row_j;
     double *reach;     /* a_i + a_j [m] */
     double *history;   /* delta_max [m]; hysteretic law only */

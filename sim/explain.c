@@ -9,7 +9,7 @@ static size_t bytes_per_particle(const struct particles *p)
 {
     bool frictional = p->n_rotations > 0;
     int reals = 4 * p->dimension + 2 * p->n_rotations + 3 + frictional; /* x v a x_list, omega alpha, radius mass ... */
-    reals += RECORD_STRIDE(p->dimension, frictional);
+    reals += RECORD_STRIDE(p->dimension, frictional) + FORCE_STRIDE(p->dimension, frictional);
     return (size_t)reals * sizeof(double);
 }
 

@@ -25,9 +25,9 @@
 #define LANES_RSQRT
 /* 1/sqrt(x) to about one unit in the last place: the seed is right to 1e-7, and the step's error is of third order.
  * The same bits in every instruction set, and much cheaper than square root and division in double. */
-LANES_INLINE real lanes_rsqrt(real x)
+LANES_INLINE real lanes_rsqrt(real x, real seed)
 {
-    real y = real_rsqrt_seed(x);
+    real y = seed;
     real e = real_fma(-x, y * y, real_all(1.0)); /* y = (1 - e)^(1/2) / sqrt(x) */
     return real_fma(real_fma(real_all(0.375), e, real_all(0.5)), e * y, y);
 }
@@ -267,10 +267,9 @@ LANES_INLINE struct NAME(packed) NAME(unpack)(const double *record, const uint32
 
 /* Adds forces and moments to the sums of i and, reversed, of j, one contact after the other. Lanes of padding pairs add
  * zeros to the padding particles. */
-LANES_INLINE void NAME(add_pair)(double *record, const uint32_t *i, const uint32_t *j,
+LANES_INLINE void NAME(add_pair)(double *force, const uint32_t *i, const uint32_t *j,
                                  const struct NAME(contact_result) * result)
 {
-    double *force = record + RECORD_FORCE(DIM);
 #if DIM == 2 && !FRICTIONAL
     lanes_add2(force, i, j, result->force);
 #elif DIM == 2
@@ -284,45 +283,77 @@ LANES_INLINE void NAME(add_pair)(double *record, const uint32_t *i, const uint32
 #if FRICTIONAL
     static const double alike[4] = {1, 1, 1, 1};
     real moment[4] = {result->moment[0], result->moment[1], result->moment[2], real_all(0.0)};
-    lanes_add4(record + RECORD_MOMENT(3), i, j, moment, alike);
+    lanes_add4(force + FORCE_MOMENT(3), i, j, moment, alike);
 #endif
 #endif
 }
 
+/* First half of a set of pairs: all that comes from the records. */
+struct NAME(approach) {
+    real d[DIM], g[DIM], w[3], spin[3];
+    real d2, seed; /* squared distance, first guess of its inverse root */
+};
+
+LANES_INLINE struct NAME(approach) NAME(approach)(const double *record, const struct contact_list *pairs, int k)
+{
+    struct NAME(approach) to = {0};
+    struct NAME(packed) i = NAME(unpack)(record, pairs->row_i + k), j = NAME(unpack)(record, pairs->row_j + k);
+    for (int c = 0; c < DIM; c++) {
+        to.d[c] = i.x[c] - j.x[c];
+        to.g[c] = i.v[c] - j.v[c];
+    }
+    to.d2 = real_fma(to.d[1], to.d[1], to.d[0] * to.d[0]);
+#if DIM == 3
+    to.d2 = real_fma(to.d[2], to.d[2], to.d2);
+#endif
+    to.seed = real_rsqrt_seed(to.d2);
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++) {
+        to.w[c] = i.radius * i.omega[c] + j.radius * j.omega[c];
+        to.spin[c] = real_all(0.5) * (i.omega[c] + j.omega[c]);
+    }
+#endif
+    return to;
+}
+
+/* Second half: the law. Changes and stores the contacts' state. */
+LANES_INLINE struct NAME(contact_result)
+    NAME(act)(const struct NAME(approach) * from, const struct contact_law_constants *law, struct contact_list *pairs,
+              int k)
+{
+    real n[DIM], inverse = lanes_rsqrt(from->d2, from->seed), distance = from->d2 * inverse;
+    for (int c = 0; c < DIM; c++)
+        n[c] = from->d[c] * inverse;
+    struct NAME(contact_state) state = NAME(state_load)(pairs, k);
+    struct NAME(contact_result) result =
+        NAME(contact)(law, real_load(pairs->reach + k) - distance, n, from->g, from->w, from->spin, &state);
+    NAME(store)(pairs, k, &state, &result);
+    return result;
+}
+
+/* The sets of contacts are independent but for the sums, and each is one long chain of operations. The chain is cut in
+ * three that run at a time: while set k is acted on, set k + 1 is approached and set k - 1 added up. The approach
+ * behind the last set reads what padding there is (ARRAY_PADDING) and is not used. */
 static void NAME(pair)(struct particles *p, struct contact_list *pairs, const struct contact_law_constants *law_in,
                        struct contact_losses *losses)
 {
     const struct contact_law_constants law = *law_in;
     struct NAME(sums) sums = {real_all(0.0), real_all(0.0), real_all(0.0), real_all(0.0)};
+    if (pairs->count == 0)
+        return;
+    struct NAME(approach) next = NAME(approach)(p->record, pairs, 0);
+    struct NAME(contact_result) done = {0};
     for (int k = 0; k < pairs->count; k += LANES) {
-        struct NAME(packed) i = NAME(unpack)(p->record, pairs->row_i + k),
-                            j = NAME(unpack)(p->record, pairs->row_j + k);
-        real d[DIM], n[DIM], g[DIM], w[3] = {0}, spin[3] = {0};
-        for (int c = 0; c < DIM; c++) {
-            d[c] = i.x[c] - j.x[c];
-            g[c] = i.v[c] - j.v[c];
-        }
-        real d2 = real_fma(d[1], d[1], d[0] * d[0]);
-#if DIM == 3
-        d2 = real_fma(d[2], d[2], d2);
-#endif
-        real inverse = lanes_rsqrt(d2);
-        real distance = d2 * inverse;
-        for (int c = 0; c < DIM; c++)
-            n[c] = d[c] * inverse;
-#if FRICTIONAL
-        for (int c = 0; c < SPRINGS; c++) {
-            w[c] = i.radius * i.omega[c] + j.radius * j.omega[c];
-            spin[c] = real_all(0.5) * (i.omega[c] + j.omega[c]);
-        }
-#endif
-        struct NAME(contact_state) state = NAME(state_load)(pairs, k);
-        struct NAME(contact_result) result =
-            NAME(contact)(&law, real_load(pairs->reach + k) - distance, n, g, w, spin, &state);
-        NAME(store)(pairs, k, &state, &result);
-        NAME(add_pair)(p->record, pairs->row_i + k, pairs->row_j + k, &result);
+        struct NAME(approach) now = next;
+        next = NAME(approach)(p->record, pairs, k + LANES);
+        struct NAME(contact_result) result = NAME(act)(&now, &law, pairs, k);
+        if (k > 0)
+            NAME(add_pair)(p->force, pairs->row_i + k - LANES, pairs->row_j + k - LANES, &done);
         NAME(sums_add)(&sums, &result);
+        done = result;
     }
+    const int last = (pairs->count - 1) / LANES * LANES;
+    NAME(add_pair)(p->force, pairs->row_i + last, pairs->row_j + last, &done);
     NAME(sums_close)(&sums, losses);
 }
 
@@ -332,12 +363,12 @@ static void NAME(add_wall)(struct particles *p, struct wall *wall)
     const struct contact_list *list = &wall->contacts;
     double sum = 0;
     for (int k = 0; k < list->count; k++) {
-        double *to = p->record + list->row_i[k] + RECORD_FORCE(DIM);
+        double *to = lanes_half(p->force, list->row_i[k]);
         for (int c = 0; c < DIM; c++)
             to[c] += list->force[c][k];
 #if FRICTIONAL
         for (int c = 0; c < SPRINGS; c++)
-            to[RECORD_MOMENT(DIM) - RECORD_FORCE(DIM) + c] += list->moment[c][k];
+            to[FORCE_MOMENT(DIM) + c] += list->moment[c][k];
 #endif
         sum += list->force[wall->axis][k];
     }
@@ -377,31 +408,28 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
     NAME(add_wall)(p, wall);
 }
 
-/* Writes the records of LANES particles from i on, the sums of forces and moments at zero. */
+/* Writes the records of LANES particles from i on. */
 LANES_INLINE void NAME(pack)(struct particles *p, int i, const real *x, const real *v, const real *omega)
 {
     enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL) };
     double *to = p->record + (size_t)i * STRIDE;
-    const real zero = real_all(0.0), none[4] = {zero, zero, zero, zero};
     (void)omega;
 #if DIM == 2
     const real block[4] = {x[0], x[1], v[0], v[1]};
     lanes_store4(to, STRIDE, block);
 #if FRICTIONAL
-    const real rotation[4] = {omega[0], real_load(p->radius + i), zero, zero};
+    const real rotation[4] = {omega[0], real_load(p->radius + i), real_all(0.0), real_all(0.0)};
     lanes_store4(to + RECORD_ROTATION(2), STRIDE, rotation);
 #endif
 #else
-    const real block[4] = {x[0], x[1], x[2], real_load(p->radius + i)}, second[4] = {v[0], v[1], v[2], zero};
+    const real block[4] = {x[0], x[1], x[2], real_load(p->radius + i)}, second[4] = {v[0], v[1], v[2], real_all(0.0)};
     lanes_store4(to, STRIDE, block);
     lanes_store4(to + 4, STRIDE, second);
 #if FRICTIONAL
-    const real rotation[4] = {omega[0], omega[1], omega[2], zero};
+    const real rotation[4] = {omega[0], omega[1], omega[2], real_all(0.0)};
     lanes_store4(to + RECORD_ROTATION(3), STRIDE, rotation);
-    lanes_store4(to + RECORD_MOMENT(3), STRIDE, none);
 #endif
 #endif
-    lanes_store4(to + RECORD_FORCE(DIM), STRIDE, none);
 }
 
 /* x += v dt + a dt^2/2, v and omega predicted for the end of the step; packs the records. */
@@ -409,6 +437,7 @@ static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
 {
     const real dt = real_all(dt_s), half = real_all(0.5 * dt_s), limit2 = real_all(reach_m * reach_m);
     bool near = true;
+    memset(p->force, 0, (size_t)p->count * FORCE_STRIDE(DIM, FRICTIONAL) * sizeof *p->force);
     for (int i = 0; i < p->count; i += LANES) {
         real x[DIM], v[DIM], omega[3] = {0}, moved2 = real_all(0.0);
         for (int c = 0; c < DIM; c++) {
@@ -437,12 +466,16 @@ static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
 static double NAME(kick)(struct particles *p, const struct kick_constants *constants)
 {
     const real half = real_all(0.5 * constants->dt), gamma_b = real_all(constants->gamma_b);
-    enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL) };
+    enum { STRIDE = FORCE_STRIDE(DIM, FRICTIONAL) };
     real power = real_all(0.0);
     for (int i = 0; i < p->count; i += LANES) {
-        const double *record = p->record + (size_t)i * STRIDE;
+        const double *sums = p->force + (size_t)i * STRIDE;
         real force[4], inv_mass = real_load(p->inv_mass + i), mass = real_load(p->mass + i), v2 = real_all(0.0);
-        lanes_load4(record + RECORD_FORCE(DIM), STRIDE, force);
+#if DIM == 2 && !FRICTIONAL
+        lanes_load2(sums, force);
+#else
+        lanes_load4(sums, STRIDE, force);
+#endif
         for (int c = 0; c < DIM; c++) {
             real v = real_load(p->v[c] + i), before = real_load(p->a[c] + i);
             real a = (force[c] - gamma_b * v + real_all(constants->gravity[c]) * mass) * inv_mass;
@@ -458,7 +491,7 @@ static double NAME(kick)(struct particles *p, const struct kick_constants *const
         real torque[1] = {force[2]};
 #else
         real torque[4];
-        lanes_load4(record + RECORD_MOMENT(3), STRIDE, torque);
+        lanes_load4(sums + FORCE_MOMENT(3), STRIDE, torque);
 #endif
         for (int c = 0; c < SPRINGS; c++) {
             real omega = real_load(p->omega[c] + i), before = real_load(p->alpha[c] + i);

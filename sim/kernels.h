@@ -11,17 +11,17 @@ struct kick_constants {
     double gravity[3];        /* m/s^2, components as the particles' */
 };
 
-/* Forces and moments of all pairs, and their sums in the records, which start from zero (drift); history, springs and
- * sliding change. Adds the energy lost. */
+/* Forces and moments of all pairs, and their sums in particles->force, which start from zero (drift); history, springs
+ * and sliding change. Adds the energy lost. */
 typedef void pair_kernel(struct particles *particles, struct contact_list *pairs,
                          const struct contact_law_constants *law, struct contact_losses *losses);
 
-/* The same for the contacts of one wall, added to the records; sets wall->force. */
+/* The same for the contacts of one wall, added to particles->force; sets wall->force. */
 typedef void wall_kernel(struct particles *particles, struct wall *wall, const struct contact_law_constants *law,
                          struct contact_losses *losses);
 
-/* Positions of the next step and velocities predicted for it; makes the records. True if a particle is further than
- * reach_m from where the lists were built, or not finite. dt_s = 0 only makes them. */
+/* Positions of the next step and velocities predicted for it; makes the records, zeroes the sums. True if a particle is
+ * further than reach_m from where the lists were built, or not finite. dt_s = 0 does only that. */
 typedef bool drift_kernel(struct particles *particles, double dt_s, double reach_m);
 
 /* Accelerations and corrected velocities; returns the power that background damping takes [W]. */

@@ -97,6 +97,10 @@ LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
     lanes_transpose4(_mm256_loadu_pd(from), _mm256_loadu_pd(from + stride), _mm256_loadu_pd(from + 2 * stride),
                      _mm256_loadu_pd(from + 3 * stride), column);
 }
+LANES_INLINE double *lanes_half(double *base, uint32_t row)
+{
+    return (double *)((char *)base + sizeof(double) / 2 * (size_t)row);
+}
 LANES_INLINE void lanes_add_row2(double *to_i, double *to_j, __m128d row)
 {
     _mm_storeu_pd(to_i, _mm_add_pd(_mm_loadu_pd(to_i), row));
@@ -105,20 +109,27 @@ LANES_INLINE void lanes_add_row2(double *to_i, double *to_j, __m128d row)
 LANES_INLINE void lanes_add2(double *base, const uint32_t *i, const uint32_t *j, const real *column)
 {
     __m256d even = _mm256_unpacklo_pd(column[0], column[1]), odd = _mm256_unpackhi_pd(column[0], column[1]);
-    lanes_add_row2(base + i[0], base + j[0], _mm256_castpd256_pd128(even));
-    lanes_add_row2(base + i[1], base + j[1], _mm256_castpd256_pd128(odd));
-    lanes_add_row2(base + i[2], base + j[2], _mm256_extractf128_pd(even, 1));
-    lanes_add_row2(base + i[3], base + j[3], _mm256_extractf128_pd(odd, 1));
+    lanes_add_row2(lanes_half(base, i[0]), lanes_half(base, j[0]), _mm256_castpd256_pd128(even));
+    lanes_add_row2(lanes_half(base, i[1]), lanes_half(base, j[1]), _mm256_castpd256_pd128(odd));
+    lanes_add_row2(lanes_half(base, i[2]), lanes_half(base, j[2]), _mm256_extractf128_pd(even, 1));
+    lanes_add_row2(lanes_half(base, i[3]), lanes_half(base, j[3]), _mm256_extractf128_pd(odd, 1));
 }
 LANES_INLINE void lanes_add4(double *base, const uint32_t *i, const uint32_t *j, const real *column, const double *sign)
 {
     real row[4], signs = _mm256_loadu_pd(sign);
     lanes_transpose4(column[0], column[1], column[2], column[3], row);
     for (int r = 0; r < LANES; r++) {
-        double *to_i = base + i[r], *to_j = base + j[r];
+        double *to_i = lanes_half(base, i[r]), *to_j = lanes_half(base, j[r]);
         _mm256_storeu_pd(to_i, _mm256_loadu_pd(to_i) + row[r]);
         _mm256_storeu_pd(to_j, _mm256_loadu_pd(to_j) + signs * row[r]);
     }
+}
+LANES_INLINE void lanes_load2(const double *from, real *column)
+{
+    __m256d a = _mm256_loadu_pd(from), b = _mm256_loadu_pd(from + 4);
+    __m256d front = _mm256_permute2f128_pd(a, b, 0x20), back = _mm256_permute2f128_pd(a, b, 0x31);
+    column[0] = _mm256_unpacklo_pd(front, back);
+    column[1] = _mm256_unpackhi_pd(front, back);
 }
 LANES_INLINE double real_sum(real x)
 {

@@ -123,6 +123,10 @@ LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
     lanes_store_two(to + 4 * stride, to + 6 * stride, rows[2]);
     lanes_store_two(to + 5 * stride, to + 7 * stride, rows[3]);
 }
+LANES_INLINE double *lanes_half(double *base, uint32_t row)
+{
+    return (double *)((char *)base + sizeof(double) / 2 * (size_t)row);
+}
 LANES_INLINE void lanes_add_row2(double *to_i, double *to_j, __m128d row)
 {
     _mm_storeu_pd(to_i, _mm_add_pd(_mm_loadu_pd(to_i), row));
@@ -131,14 +135,14 @@ LANES_INLINE void lanes_add_row2(double *to_i, double *to_j, __m128d row)
 LANES_INLINE void lanes_add2(double *base, const uint32_t *i, const uint32_t *j, const real *column)
 {
     __m512d even = _mm512_unpacklo_pd(column[0], column[1]), odd = _mm512_unpackhi_pd(column[0], column[1]);
-    lanes_add_row2(base + i[0], base + j[0], _mm512_extractf64x2_pd(even, 0));
-    lanes_add_row2(base + i[1], base + j[1], _mm512_extractf64x2_pd(odd, 0));
-    lanes_add_row2(base + i[2], base + j[2], _mm512_extractf64x2_pd(even, 1));
-    lanes_add_row2(base + i[3], base + j[3], _mm512_extractf64x2_pd(odd, 1));
-    lanes_add_row2(base + i[4], base + j[4], _mm512_extractf64x2_pd(even, 2));
-    lanes_add_row2(base + i[5], base + j[5], _mm512_extractf64x2_pd(odd, 2));
-    lanes_add_row2(base + i[6], base + j[6], _mm512_extractf64x2_pd(even, 3));
-    lanes_add_row2(base + i[7], base + j[7], _mm512_extractf64x2_pd(odd, 3));
+    lanes_add_row2(lanes_half(base, i[0]), lanes_half(base, j[0]), _mm512_extractf64x2_pd(even, 0));
+    lanes_add_row2(lanes_half(base, i[1]), lanes_half(base, j[1]), _mm512_extractf64x2_pd(odd, 0));
+    lanes_add_row2(lanes_half(base, i[2]), lanes_half(base, j[2]), _mm512_extractf64x2_pd(even, 1));
+    lanes_add_row2(lanes_half(base, i[3]), lanes_half(base, j[3]), _mm512_extractf64x2_pd(odd, 1));
+    lanes_add_row2(lanes_half(base, i[4]), lanes_half(base, j[4]), _mm512_extractf64x2_pd(even, 2));
+    lanes_add_row2(lanes_half(base, i[5]), lanes_half(base, j[5]), _mm512_extractf64x2_pd(odd, 2));
+    lanes_add_row2(lanes_half(base, i[6]), lanes_half(base, j[6]), _mm512_extractf64x2_pd(even, 3));
+    lanes_add_row2(lanes_half(base, i[7]), lanes_half(base, j[7]), _mm512_extractf64x2_pd(odd, 3));
 }
 LANES_INLINE void lanes_add_row4(double *to_i, double *to_j, __m256d row, __m256d sign)
 {
@@ -153,8 +157,15 @@ LANES_INLINE void lanes_add4(double *base, const uint32_t *i, const uint32_t *j,
     for (int r = 0; r < LANES; r++) { /* unrolled: rows[] holds 0|2, 1|3, 4|6, 5|7 */
         __m512d both = rows[(r & 1) + (r & 4) / 2];
         __m256d row = r & 2 ? _mm512_extractf64x4_pd(both, 1) : _mm512_castpd512_pd256(both);
-        lanes_add_row4(base + i[r], base + j[r], row, signs);
+        lanes_add_row4(lanes_half(base, i[r]), lanes_half(base, j[r]), row, signs);
     }
+}
+LANES_INLINE void lanes_load2(const double *from, real *column)
+{
+    const __m512i even = _mm512_set_epi64(14, 12, 10, 8, 6, 4, 2, 0), odd = _mm512_set_epi64(15, 13, 11, 9, 7, 5, 3, 1);
+    __m512d a = _mm512_loadu_pd(from), b = _mm512_loadu_pd(from + 8);
+    column[0] = _mm512_permutex2var_pd(a, even, b);
+    column[1] = _mm512_permutex2var_pd(a, odd, b);
 }
 LANES_INLINE double real_sum(real x)
 {

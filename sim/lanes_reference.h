@@ -92,22 +92,33 @@ LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
     for (int c = 0; c < 4; c++)
         to[c] = column[c];
 }
-/* Adds (column[0], column[1]) to the records of 2 at base + i[lane] and subtracts it at j, in the order of the lanes.
- */
+/* Where the sums of a particle are whose record starts at `row`: records are twice as long (particles.h). */
+LANES_INLINE double *lanes_half(double *base, uint32_t row)
+{
+    return (double *)((char *)base + sizeof(double) / 2 * (size_t)row);
+}
+/* Adds (column[0], column[1]) to the sums of the particles with records at i[lane] and subtracts it from those at
+ * j, in the order of the lanes. */
 LANES_INLINE void lanes_add2(double *base, const uint32_t *i, const uint32_t *j, const real *column)
 {
     for (int c = 0; c < 2; c++)
-        base[i[0] + (size_t)c] += column[c];
+        lanes_half(base, i[0])[c] += column[c];
     for (int c = 0; c < 2; c++)
-        base[j[0] + (size_t)c] -= column[c];
+        lanes_half(base, j[0])[c] -= column[c];
 }
 /* The same for records of 4; sign[c] (1 or -1) is how column c counts at j. */
 LANES_INLINE void lanes_add4(double *base, const uint32_t *i, const uint32_t *j, const real *column, const double *sign)
 {
     for (int c = 0; c < 4; c++)
-        base[i[0] + (size_t)c] += column[c];
+        lanes_half(base, i[0])[c] += column[c];
     for (int c = 0; c < 4; c++)
-        base[j[0] + (size_t)c] += sign[c] * column[c];
+        lanes_half(base, j[0])[c] += sign[c] * column[c];
+}
+/* Columns of LANES consecutive records of 2 doubles. */
+LANES_INLINE void lanes_load2(const double *from, real *column)
+{
+    column[0] = from[0];
+    column[1] = from[1];
 }
 LANES_INLINE double real_sum(real x)
 {

@@ -32,6 +32,7 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
     TRY(components_resize(p->v, dimension, count));
     TRY(components_resize(p->a, dimension, count));
     TRY(array_resize(&p->record, RECORD_STRIDE(dimension, rotations) * sizeof(double), (size_t)count, 0));
+    TRY(array_resize(&p->force, FORCE_STRIDE(dimension, rotations) * sizeof(double), (size_t)count, 0));
     TRY(components_resize(p->x_list, dimension, count));
     TRY(components_resize(p->omega, p->n_rotations, count));
     TRY(components_resize(p->alpha, p->n_rotations, count));
@@ -55,6 +56,7 @@ void particles_free(struct particles *p)
         free(p->x_list[c]);
     }
     free(p->record);
+    free(p->force);
     free(p->radius);
     free(p->mass);
     free(p->inv_mass);

@@ -10,28 +10,30 @@
 
 struct particles {
     int count;
-    int dimension;   /* components of x, v, a, force */
-    int n_rotations; /* components of omega: 0 without friction, 1 in 2D (about x cross z), 3 in 3D */
-    double *x[3];    /* [count] m */
-    double *v[3];    /* m/s; between drift and kick the predicted velocity */
-    double *a[3];    /* m/s^2, of the last complete step */
-    double *omega[3];  /* rad/s; predicted like v */
-    double *alpha[3];  /* rad/s^2 */
-    double *radius;    /* m */
-    double *mass;      /* kg */
+    int dimension;    /* components of x, v, a, force */
+    int n_rotations;  /* components of omega: 0 without friction, 1 in 2D (about x cross z), 3 in 3D */
+    double *x[3];     /* [count] m */
+    double *v[3];     /* m/s; between drift and kick the predicted velocity */
+    double *a[3];     /* m/s^2, of the last complete step */
+    double *omega[3]; /* rad/s; predicted like v */
+    double *alpha[3]; /* rad/s^2 */
+    double *radius;   /* m */
+    double *mass;     /* kg */
     double *inv_mass;
     double *inv_inertia; /* 1/(2/5 m a^2); only with rotations */
     double *x_list[3];   /* positions at the last rebuild of the lists */
-    double *record;      /* [count][RECORD_STRIDE] what contacts need and give, side by side; renewed by drift */
+    double *record;      /* [count][RECORD_STRIDE] what contacts need, side by side; made by drift */
+    double *force; /* [count][FORCE_STRIDE] sums of contact forces [N] and of moments n x f_t [N]; zeroed by drift */
 };
 
-/* Records in blocks of 4: 2D [x0 x1 v0 v1][f0 f1 moment -], with friction [omega a - -]; 3D [x0 x1 x2 a][v0 v1 v2 -]
- * [f0 f1 f2 -], with friction [omega0 omega1 omega2 -][moment0 moment1 moment2 -]. f: sum of contact forces [N];
- * moment: sum of n x f_t [N], torque = -a moment. Offsets in doubles: */
-#define RECORD_STRIDE(dimension, frictional) ((dimension) == 2 ? ((frictional) ? 12 : 8) : ((frictional) ? 20 : 12))
-#define RECORD_FORCE(dimension)              ((dimension) == 2 ? 4 : 8)
-#define RECORD_ROTATION(dimension)           ((dimension) == 2 ? 8 : 12)
-#define RECORD_MOMENT(dimension)             ((dimension) == 2 ? 6 : 16)
+/* Records in blocks of 4: 2D [x0 x1 v0 v1], with friction [omega a - -]; 3D [x0 x1 x2 a][v0 v1 v2 -], with friction
+ * [omega0 omega1 omega2 -] and a block of air. Sums: 2D [f0 f1], with friction [f0 f1 moment -]; 3D [f0 f1 f2 -], with
+ * friction [moment0 moment1 moment2 -]; torque = -a moment. A record is always twice as long as its sums, so that one
+ * index serves both. Offsets in doubles: */
+#define RECORD_STRIDE(dimension, frictional) ((dimension) == 2 ? ((frictional) ? 8 : 4) : ((frictional) ? 16 : 8))
+#define FORCE_STRIDE(dimension, frictional)  (RECORD_STRIDE(dimension, frictional) / 2)
+#define RECORD_ROTATION(dimension)           ((dimension) == 2 ? 4 : 8)
+#define FORCE_MOMENT(dimension)              ((dimension) == 2 ? 2 : 4)
 
 /* Allocates `count` zeroed particles. Errors: STATUS_NO_MEMORY. */
 enum status particles_init(struct particles *particles, int count, int dimension, bool rotations) MUST_USE;
