@@ -1,5 +1,6 @@
 #include "sim/records.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -181,6 +182,8 @@ enum status records_send_sample(struct records *records, const struct world *wor
 {
     struct measurement m;
     TRY(measure(world, &m));
+    double work_j = fabs(world->ledger.work_walls) + fabs(m.work_gravity_j);
+    records->residual_ratio = work_j > 0 ? m.residual_j / work_j : 0;
     records->last_sample_step = world->step;
     return send_sample(records, world, &m, interface_residual_j);
 }

@@ -8,8 +8,9 @@
 struct records {
     struct record_stream *stream;
     int64_t run_id;
-    int32_t n_frames;       /* frames sent so far */
+    int32_t n_frames;                          /* frames sent so far */
     int64_t last_sample_step, last_frame_step; /* -1: none */
+    double residual_ratio;                     /* of the last sample: ledger residual over work of walls and gravity */
 };
 
 void records_init(struct records *records, struct record_stream *stream, int64_t run_id);
@@ -20,7 +21,8 @@ struct records_resumed {
     int64_t frames, wall_states;
 };
 
-/* The scene with its effective configuration, then what does not change about the particles. resumed NULL: a new run. */
+/* The scene with its effective configuration, then what does not change about the particles. resumed NULL: a new run.
+ */
 enum status records_send_start(struct records *records, const struct world *world,
                                const struct records_resumed *resumed) MUST_USE;
 
@@ -29,7 +31,8 @@ enum status records_send_checkpoint(struct records *records, const struct world 
 
 /* The state of the sample now; nothing if it was sent for this step and stage already. interface_residual_j: energy
  * mismatch at the walls accumulated by the coupling. */
-enum status records_send_sample(struct records *records, const struct world *world, double interface_residual_j) MUST_USE;
+enum status records_send_sample(struct records *records, const struct world *world,
+                                double interface_residual_j) MUST_USE;
 
 /* Particles and contacts now, in chunks. */
 enum status records_send_frame(struct records *records, const struct world *world) MUST_USE;

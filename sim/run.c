@@ -158,6 +158,7 @@ static void fill_status(struct run *run, double now, shakedown_status_t *message
         .commands_repeated = run->exchange.repeated,
     };
     if (run->stream) {
+        message->energy_residual_ratio = run->records.residual_ratio;
         message->records_repeated = record_stream_repeated(run->stream);
         message->records_waiting = record_stream_waiting(run->stream);
     }
