@@ -44,79 +44,94 @@ struct NAME(contact_result) {
 };
 
 #if FRICTIONAL
+/* a.b, and component c of a x b, for components 0 ... 2 */
+LANES_INLINE real NAME(dot)(const real *a, const real *b)
+{
+    real sum = a[0] * b[0];
+    for (int c = 1; c < SPRINGS; c++)
+        sum = real_fma(a[c], b[c], sum);
+    return sum;
+}
+
+#if DIM == 3
+LANES_INLINE real NAME(cross)(const real *a, const real *b, int c)
+{
+    int d = (c + 1) % 3, e = (c + 2) % 3;
+    return real_fma(a[d], b[e], -a[e] * b[d]);
+}
+
+/* The spring brought into the tangent plane of today [D], turned with the pair's mean spin about n, its length kept. */
+LANES_INLINE void NAME(turn)(const real *n, const real *spin, real dt, const real *spring, real length2, real *turned)
+{
+    real along = NAME(dot)(spring, n), twist = dt * NAME(dot)(spin, n), p[3];
+    for (int c = 0; c < 3; c++)
+        p[c] = real_fma(-along, n[c], spring[c]);
+    for (int c = 0; c < 3; c++)
+        turned[c] = real_fma(twist, NAME(cross)(n, p, c), p[c]);
+    /* sqrt(1 + e) by its series: e is the square of the turn in a step, so that e^4 is below rounding; bounded for
+     * springs that stood almost along n */
+    real turned2 = NAME(dot)(turned, turned);
+    real e = real_smaller(length2 / turned2, real_all(1.5)) - real_all(1.0);
+    real root = real_fma(e, real_fma(e, real_fma(e, real_all(0.0625), real_all(-0.125)), real_all(0.5)), real_all(1.0));
+    real scale = real_select(mask_greater(turned2, real_all(0.0)), root, real_all(0.0));
+    for (int c = 0; c < 3; c++)
+        turned[c] = turned[c] * scale;
+}
+#endif
+
 /* Tangential part. n: normal, g: relative velocity of the centres, u = g.n, w: a_i omega_i + a_j omega_j, spin:
- * (omega_i + omega_j)/2, normal_force and delta set the limit. */
+ * (omega_i + omega_j)/2, normal_force and delta set the limit. Adds to the force, sets moment and losses.
+ * pull = kt xi + gamma_t v_t is the reversed test force; a sliding contact keeps `factor` of it, and its spring slips
+ * by q pull, q = (1 - factor)/kt, so that the law holds with the spring that is left. q = 0: it sticks. */
 LANES_INLINE void NAME(tangential)(const struct contact_law_constants *law, mask active, real delta, real normal_force,
                                    const real *n, const real *g, real u, const real *w, const real *spin,
                                    struct NAME(contact_state) * state, struct NAME(contact_result) * result)
 {
-    const real zero = real_all(0.0), dt = real_all(law->dt), half = real_all(0.5 * law->dt);
-    const real kt = real_all(law->kt), gamma_t = real_all(law->gamma_t), inv_kt = real_all(law->inv_kt);
-    real vt[SPRINGS], before[SPRINGS], xi[SPRINGS], test[SPRINGS], ft[SPRINGS];
+    const real zero = real_all(0.0), one = real_all(1.0), dt = real_all(law->dt), half = real_all(0.5 * law->dt);
+    const real kt = real_all(law->kt), gamma_t = real_all(law->gamma_t);
+    real vt[SPRINGS], before[SPRINGS], pull[SPRINGS], length2 = NAME(dot)(state->spring, state->spring);
 #if DIM == 2
     /* tangent (-n1, n0); the spring is a number along it, so a rotating pair carries it along by itself */
     (void)u;
     (void)spin;
-    vt[0] = g[1] * n[0] - g[0] * n[1] - w[0];
+    vt[0] = real_fma(g[1], n[0], real_fma(-g[0], n[1], -w[0]));
     before[0] = state->spring[0];
 #else
-    /* v_t = g + n x w - u n */
-    vt[0] = g[0] + (n[1] * w[2] - n[2] * w[1]) - u * n[0];
-    vt[1] = g[1] + (n[2] * w[0] - n[0] * w[2]) - u * n[1];
-    vt[2] = g[2] + (n[0] * w[1] - n[1] * w[0]) - u * n[2];
-    /* into the tangent plane of today [D], turned with the pair's mean spin about n, length kept */
-    const real *s = state->spring;
-    real along = s[0] * n[0] + s[1] * n[1] + s[2] * n[2];
-    real length2 = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
-    real p[3] = {s[0] - along * n[0], s[1] - along * n[1], s[2] - along * n[2]};
-    real twist = dt * (spin[0] * n[0] + spin[1] * n[1] + spin[2] * n[2]);
-    before[0] = p[0] + twist * (n[1] * p[2] - n[2] * p[1]);
-    before[1] = p[1] + twist * (n[2] * p[0] - n[0] * p[2]);
-    before[2] = p[2] + twist * (n[0] * p[1] - n[1] * p[0]);
-    real turned2 = before[0] * before[0] + before[1] * before[1] + before[2] * before[2];
-    real scale = real_select(mask_greater(turned2, zero), real_sqrt(length2 / turned2), zero);
-    for (int c = 0; c < 3; c++)
-        before[c] = before[c] * scale;
+    for (int c = 0; c < 3; c++) /* g + n x w - u n */
+        vt[c] = NAME(cross)(n, w, c) + real_fma(-u, n[c], g[c]);
+    NAME(turn)(n, spin, dt, state->spring, length2, before);
 #endif
-    real test2 = zero, stored2 = zero, viscous = zero, friction = zero;
-    for (int c = 0; c < SPRINGS; c++) {
-        xi[c] = before[c] + half * vt[c];
-        test[c] = -kt * xi[c] - gamma_t * vt[c];
-        test2 = test2 + test[c] * test[c];
-        stored2 = stored2 + before[c] * before[c];
-    }
+    for (int c = 0; c < SPRINGS; c++)
+        pull[c] = real_fma(kt, real_fma(half, vt[c], before[c]), gamma_t * vt[c]);
+    real pull2 = NAME(dot)(pull, pull), power = NAME(dot)(pull, vt), vt2 = NAME(dot)(vt, vt);
     /* friction is limited by the normal force above the adhesion branch, never below 0 (docs/theory.md) */
-    real limit = real_larger(zero, normal_force + real_all(law->kc) * delta);
-    real size = real_sqrt(test2);
-    real mu = real_select(mask_greater(state->sliding, zero), real_all(law->mu_d), real_all(law->mu_s));
-    mask slides = mask_and(active, mask_greater(size, mu * limit));
-    real factor = real_select(slides, real_all(law->mu_d) * limit / size, real_all(1.0));
-    for (int c = 0; c < SPRINGS; c++) {
-        ft[c] = test[c] * factor;
-        real slid = -(ft[c] + gamma_t * vt[c]) * inv_kt;
-        real now = real_select(slides, slid, xi[c]);
-        real slip = xi[c] - now;
-        viscous = viscous + gamma_t * vt[c] * (vt[c] * dt - slip);
-        /* with the mean of the spring over the step, the ledger closes in second order, jumps of the spring included */
-        real mean = real_all(0.5) * (before[c] - half * vt[c] + now);
-        friction = friction + (kt * mean + gamma_t * vt[c]) * slip;
-        state->spring[c] = real_select(active, now + half * vt[c], zero);
-        ft[c] = real_select(active, ft[c], zero);
-    }
-    state->sliding = real_select(slides, real_all(1.0), zero);
+    real limit = real_larger(zero, real_fma(real_all(law->kc), delta, normal_force));
+    real bound = limit * real_select(mask_greater(state->sliding, zero), real_all(law->mu_d), real_all(law->mu_s));
+    real square = real_larger(pull2, real_all(1e-30)); /* N^2; keeps the root's seed finite */
+    real inverse = lanes_rsqrt(square, real_rsqrt_seed(square));
+    mask slides = mask_and(active, mask_greater(pull2, bound * bound));
+    real factor = real_select(slides, real_all(law->mu_d) * limit * inverse, one);
+    real q = (one - factor) * real_all(law->inv_kt), kept = real_select(active, -factor, zero);
+    state->sliding = real_select(slides, one, zero);
+    real viscous = gamma_t * real_fma(dt, vt2, -q * power);
+    /* with the mean of the spring over the step, the ledger closes in second order, jumps of the spring included */
+    real friction = q * real_fma(pull2, real_fma(real_all(-0.5) * kt, q, one), -kt * half * power);
     result->viscous_tangential = real_select(active, viscous, zero);
     /* an opening contact loses what its spring held */
-    result->friction = real_select(active, friction, real_all(0.5) * kt * stored2);
+    result->friction = real_select(active, friction, real_all(0.5) * kt * length2);
+    for (int c = 0; c < SPRINGS; c++) {
+        state->spring[c] = real_select(active, real_fma(-q, pull[c], real_fma(dt, vt[c], before[c])), zero);
+        pull[c] = kept * pull[c]; /* now the tangential force */
+    }
 #if DIM == 2
-    result->force[0] = result->force[0] - ft[0] * real_select(active, n[1], zero);
-    result->force[1] = result->force[1] + ft[0] * real_select(active, n[0], zero);
-    result->moment[0] = ft[0];
+    result->force[0] = real_fma(-pull[0], n[1], result->force[0]);
+    result->force[1] = real_fma(pull[0], n[0], result->force[1]);
+    result->moment[0] = pull[0];
 #else
-    for (int c = 0; c < 3; c++)
-        result->force[c] = result->force[c] + ft[c];
-    result->moment[0] = real_select(active, n[1] * ft[2] - n[2] * ft[1], zero);
-    result->moment[1] = real_select(active, n[2] * ft[0] - n[0] * ft[2], zero);
-    result->moment[2] = real_select(active, n[0] * ft[1] - n[1] * ft[0], zero);
+    for (int c = 0; c < 3; c++) {
+        result->force[c] = result->force[c] + pull[c];
+        result->moment[c] = NAME(cross)(n, pull, c);
+    }
 #endif
 }
 #endif
@@ -153,8 +168,9 @@ LANES_INLINE struct NAME(contact_result)
     real normal_force = real_fma(-gamma_n, u, elastic);
     result.viscous_normal = real_select(active, gamma_n * u * u * real_all(law->dt), zero);
     result.viscous_tangential = result.friction = zero;
+    real acting = real_select(active, normal_force, zero);
     for (int c = 0; c < DIM; c++)
-        result.force[c] = real_select(active, normal_force * n[c], zero);
+        result.force[c] = acting * n[c];
 #if FRICTIONAL
     NAME(tangential)(law, active, delta, normal_force, n, g, u, w, spin, state, &result);
 #else
@@ -309,7 +325,7 @@ LANES_INLINE struct NAME(approach) NAME(approach)(const double *record, const st
     to.seed = real_rsqrt_seed(to.d2);
 #if FRICTIONAL
     for (int c = 0; c < SPRINGS; c++) {
-        to.w[c] = i.radius * i.omega[c] + j.radius * j.omega[c];
+        to.w[c] = real_fma(i.radius, i.omega[c], j.radius * j.omega[c]);
         to.spin[c] = real_all(0.5) * (i.omega[c] + j.omega[c]);
     }
 #endif

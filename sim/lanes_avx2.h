@@ -31,10 +31,6 @@ LANES_INLINE real real_gather(const double *base, indices at)
 {
     return _mm256_i32gather_pd(base, at, 8);
 }
-LANES_INLINE real real_sqrt(real x)
-{
-    return _mm256_sqrt_pd(x);
-}
 LANES_INLINE mask mask_greater(real a, real b)
 {
     return _mm256_cmp_pd(a, b, _CMP_GT_OQ);

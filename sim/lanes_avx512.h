@@ -31,10 +31,6 @@ LANES_INLINE real real_gather(const double *base, indices at)
 {
     return _mm512_i32gather_pd(at, base, 8);
 }
-LANES_INLINE real real_sqrt(real x)
-{
-    return _mm512_sqrt_pd(x);
-}
 LANES_INLINE mask mask_greater(real a, real b)
 {
     return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);

@@ -31,10 +31,6 @@ LANES_INLINE real real_gather(const double *base, indices at)
 {
     return base[at];
 }
-LANES_INLINE real real_sqrt(real x)
-{
-    return sqrt(x);
-}
 LANES_INLINE mask mask_greater(real a, real b)
 {
     return a > b;
