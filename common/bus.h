@@ -47,8 +47,8 @@ struct bus {
 
 /* Opens `url`; NULL or "" means $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0. A udpm URL without
  * recv_buf_size gets recv_buf_size=4194304 appended.
- * A file:// URL reads the log as fast as possible (speed=0 is appended), writes it with ?mode=w, or goes on with ?mode=a. STATUS_BUS with the
- * likely cause (no multicast route) on failure. */
+ * A file:// URL reads the log as fast as possible (speed=0 is appended), writes it with ?mode=w, or goes on with
+ * ?mode=a. STATUS_BUS with the likely cause (no multicast route) on failure. */
 enum status bus_open(struct bus *bus, const char *url) MUST_USE;
 void bus_close(struct bus *bus);
 

@@ -1,7 +1,9 @@
+# shellcheck shell=bash
 # What the studies share; sourced, not run. Runs go in one process each, two at a time.
 set -uo pipefail
 
 root=$(readlink -f "${BASH_SOURCE[0]%/*}/..")
+# shellcheck disable=SC2034 # the studies use it
 bin=${SHAKEDOWN_BIN:?start it with ./shakedown study}
 at_once=2
 failures=0

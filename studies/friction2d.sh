@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Macroscopic friction against the contacts' mu in the biaxial box, at the peak and in the critical state, for a dense
 # and a loose preparation (docs/studies.md).
+# shellcheck source=common.sh
 . "${BASH_SOURCE[0]%/*}/common.sh"
 
 usage() {

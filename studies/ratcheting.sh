@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Cycles of stress on the triaxial box (scene B) at several friction coefficients, all from one compressed sample:
 # first cycle, accumulation per cycle, shakedown or ratcheting (docs/studies.md).
+# shellcheck source=common.sh
 . "${BASH_SOURCE[0]%/*}/common.sh"
 
 usage() {

@@ -160,7 +160,7 @@ case_series() {
 }
 
 case_refused() {
-    shakedown run "$scene" --out done --in-process
+    shakedown run "$scene" --out 'done' --in-process
     expect_code 0 $?
     shakedown run "$scene" --out over_bus
     expect_code 0 $?
@@ -168,18 +168,18 @@ case_refused() {
     expect_code 5 $?
     expect_text last.out 'is complete already'
     [ "$(attribute over_bus/run.h5 complete)" = 1 ] || fail "a complete record was touched"
-    shakedown run --resume done --set material.mu_s=0.25
+    shakedown run --resume 'done' --set material.mu_s=0.25
     expect_code 3 $?
     expect_text last.out 'belongs to another scene: material.mu_s was'
     mkdir empty
     shakedown run --resume empty
     expect_code 5 $?
     expect_text last.out 'no checkpoint in empty'
-    shakedown run "$scene" --resume done
+    shakedown run "$scene" --resume 'done'
     expect_code 2 $?
     head -c 1000 done/checkpoint.h5 >short
     mv short done/checkpoint.h5
-    shakedown run --resume done
+    shakedown run --resume 'done'
     expect_code 6 $?
     expect_text last.out 'the checkpoint is damaged'
 }
