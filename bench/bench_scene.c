@@ -10,6 +10,7 @@
 
 #include "common/bus.h"
 #include "common/command_line.h"
+#include "common/floating_point.h"
 #include "sim/measure.h"
 #include "sim/world.h"
 #include "wallctl/law.h"
@@ -210,6 +211,7 @@ int main(int argc, char **argv)
     const char *json_path = NULL;
     const struct command_line_option own[] = {{"json", &json_path, NULL}, {NULL, NULL, NULL}};
     struct command_line line;
+    floating_point_flush_subnormals();
     enum status status = command_line_parse(&line, argc, argv, own);
     if (status == STATUS_OK)
         status = bench_scene(&line, json_path);

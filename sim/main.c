@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "common/command_line.h"
+#include "common/floating_point.h"
 #include "common/scene.h"
 #include "common/signals.h"
 #include "sim/explain.h"
@@ -88,6 +89,7 @@ int main(int argc, char **argv)
         {"replay", &options.replay, NULL},         {"checkpoint", &options.checkpoint, NULL},
         {"resume", &options.resume, NULL},         {NULL, NULL, NULL}};
     struct command_line line;
+    floating_point_flush_subnormals();
     enum status status = command_line_parse(&line, argc, argv, own);
     if (status == STATUS_OK && (line.help || options.reference)) {
         if (line.help)

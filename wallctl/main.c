@@ -5,6 +5,7 @@
 
 #include "common/bus.h"
 #include "common/command_line.h"
+#include "common/floating_point.h"
 #include "common/scene.h"
 #include "common/signals.h"
 #include "wallctl/controller.h"
@@ -77,6 +78,7 @@ static enum status run(int argc, char **argv, struct scene *scene)
 int main(int argc, char **argv)
 {
     struct scene *scene = calloc(1, sizeof *scene); /* too large for the stack */
+    floating_point_flush_subnormals();
     enum status status = scene ? run(argc, argv, scene) : status_fail(STATUS_NO_MEMORY, "no memory for the scene");
     free(scene);
     return status_report("wallctl", status);
