@@ -189,17 +189,6 @@ static void add_contacts(const struct world *world, int l, struct measurement *m
     }
 }
 
-static double solid_volume(const struct particles *p)
-{
-    const double pi = 3.14159265358979323846;
-    double sum = 0;
-    for (int i = 0; i < p->count; i++) {
-        double a = p->radius[i];
-        sum += p->dimension == 2 ? pi * a * a : 4.0 / 3.0 * pi * a * a * a;
-    }
-    return sum;
-}
-
 static void measure_box(const struct world *world, struct measurement *m)
 {
     const int dim = world->particles.dimension;
@@ -216,7 +205,7 @@ static void measure_box(const struct world *world, struct measurement *m)
     }
     for (int k = 0; k < dim * dim; k++)
         m->stress_contact_pa[k] /= volume;
-    m->solid_fraction = solid_volume(&world->particles) / volume;
+    m->solid_fraction = particles_solid_volume(&world->particles) / volume;
 }
 
 /* Inertial number of the fastest strain rate, p the mean wall stress: 3D |rate| 2 <a> sqrt(rho/p), 2D |rate|

@@ -83,3 +83,12 @@ void particles_set_mass(struct particles *p, double density_kg_per_m3)
     }
     particles_set_inverse(p);
 }
+
+double particles_solid_volume(const struct particles *p)
+{
+    const double pi = 3.14159265358979323846;
+    double volume = 0;
+    for (int i = 0; i < p->count; i++)
+        volume += p->dimension == 2 ? pi * p->radius[i] * p->radius[i] : 4.0 / 3.0 * pi * pow(p->radius[i], 3);
+    return volume;
+}

@@ -45,6 +45,9 @@ void particles_set_mass(struct particles *particles, double density_kg_per_m3);
 /* Inverse masses and moments of inertia from masses and radii. */
 void particles_set_inverse(struct particles *particles);
 
+/* Volume of all particles [m^3]; in 2D the area of the discs [m^2]. */
+double particles_solid_volume(const struct particles *particles);
+
 /* Radii, positions without overlap and starting velocities as the scene says; box_lo/box_hi [dimension] become the
  * starting box. Errors: STATUS_LIMIT when a random start finds no room. */
 enum status particles_place(struct particles *particles, const struct scene *scene, double *box_lo_m,

@@ -121,15 +121,6 @@ static void grid_insert(struct grid *grid, const struct particles *p, int i)
     grid->first[cell] = i;
 }
 
-static double solid_volume(const struct particles *p)
-{
-    const double pi = 3.14159265358979323846;
-    double volume = 0;
-    for (int i = 0; i < p->count; i++)
-        volume += p->dimension == 2 ? pi * p->radius[i] * p->radius[i] : 4.0 / 3.0 * pi * pow(p->radius[i], 3);
-    return volume;
-}
-
 static int larger_radius_first(const void *a, const void *b)
 {
     double ra = *(const double *)a, rb = *(const double *)b;
@@ -161,7 +152,7 @@ static enum status insert_all(struct particles *p, struct grid *grid, const doub
 static enum status place_random(struct particles *p, const struct scene_sample *sample, struct random *random,
                                 double *lo, double *hi)
 {
-    double volume = solid_volume(p) / sample->solid_fraction;
+    double volume = particles_solid_volume(p) / sample->solid_fraction;
     double width = pow(volume / sample->aspect_ratio, 1.0 / p->dimension);
     for (int c = 0; c < p->dimension; c++) {
         lo[c] = 0;
