@@ -78,8 +78,10 @@ static enum status one_step(struct bench *bench)
 static enum status one_pair(struct bench *bench)
 {
     struct contact_losses losses = {0};
-    bench->world->law.dt = 0;
-    bench->world->kernels.pair(&bench->world->particles, &bench->world->pairs, &bench->world->law, &losses);
+    struct world *world = bench->world;
+    world->law.dt = 0;
+    world->kernels.pair(&world->particles, &world->pairs, 0, world->pairs.n_sets, &world->law, world->particles.force,
+                        &losses);
     return STATUS_OK;
 }
 

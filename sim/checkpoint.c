@@ -188,6 +188,7 @@ static void collect(struct items *items, struct world *world, struct run_progres
     }
     for (int l = 0; l <= world->n_walls; l++) {
         struct contact_list *list = list_of(world, l);
+        contact_list_read(list);
         const struct model model = {.count = (size_t)list->count,
                                     .axes = p->dimension,
                                     .springs = list->n_springs,
@@ -319,7 +320,7 @@ static enum status get_items(hid_t file, struct world *world, struct run_progres
     TRY(status);
     TRY(lists_check(world));
     for (int l = 0; l <= world->n_walls; l++)
-        contact_list_close(list_of(world, l), &world->particles);
+        TRY(contact_list_close(list_of(world, l), &world->particles));
     return STATUS_OK;
 }
 

@@ -60,31 +60,47 @@ void contact_losses_add(struct contact_losses *sum, const struct contact_losses 
     sum->friction += lost->friction;
 }
 
-static void clear(struct contact_list *list, int k)
+void contact_list_read(struct contact_list *list)
 {
-    list->reach[k] = 0;
-    if (list->hysteretic)
-        list->history[k] = 0;
-    if (list->n_springs)
-        list->sliding[k] = 0;
-    for (int c = 0; c < list->n_springs; c++)
-        list->spring[c][k] = 0;
+    (void)list; /* the kernels work on the members themselves */
 }
 
-void contact_list_close(struct contact_list *list, const struct particles *particles)
+void contact_list_carry(struct contact_list *to, int t, const struct contact_list *from, int f)
 {
-    enum { WIDEST = 8 };
+    if (to->hysteretic)
+        to->history[t] = from->history[f];
+    if (to->n_springs)
+        to->sliding[t] = from->sliding[f];
+    for (int c = 0; c < to->n_springs; c++)
+        to->spring[c][t] = from->spring[c][f];
+}
+
+void contact_list_clear(struct contact_list *to, int t)
+{
+    if (to->hysteretic)
+        to->history[t] = 0;
+    if (to->n_springs)
+        to->sliding[t] = 0;
+    for (int c = 0; c < to->n_springs; c++)
+        to->spring[c][t] = 0;
+}
+
+enum status contact_list_close(struct contact_list *list, const struct particles *particles)
+{
     const uint32_t stride = RECORD_STRIDE(particles->dimension, particles->n_rotations > 0);
     int k = list->count;
-    for (; k < list->capacity && k % WIDEST != 0; k++) {
+    list->n_sets = (k + SET_WIDTH - 1) / SET_WIDTH;
+    for (; k < list->n_sets * SET_WIDTH; k++) {
         list->i[k] = particles->count;
         list->j[k] = particles->count + 1;
-        clear(list, k);
+        list->reach[k] = 0;
+        contact_list_clear(list, k);
     }
     for (int m = 0; m < k; m++) {
         list->row_i[m] = stride * (uint32_t)list->i[m];
         list->row_j[m] = stride * (uint32_t)list->j[m];
     }
+    return STATUS_OK;
 }
 
 void contact_list_free(struct contact_list *list)

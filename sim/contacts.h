@@ -27,10 +27,16 @@ struct contact_losses {
     double hysteresis, viscous_normal, viscous_tangential, friction;
 };
 
+/* What kernels take at a time: a set; a range of a list is one of sets. */
+enum { SET_WIDTH = 16 };
+
 /* Candidates for contact with their history, sorted by (i, j). Open candidates have zero history and force. Arrays are
- * filled up to a whole vector with pairs of the padding particles, which never touch. */
+ * filled up to a whole set with pairs of the padding particles, which never touch. The kernels may keep the history
+ * (history, spring, sliding) in an order of their own: contact_list_read brings it here, contact_list_close hands it
+ * over. */
 struct contact_list {
     int count, capacity;
+    int n_sets;      /* that the kernels go through; set by contact_list_close */
     int32_t *i;      /* [count] */
     int32_t *j;      /* [count] other particle, i < j; in the list of a wall: the first padding particle */
     uint32_t *row_i; /* where the records of i and j start [doubles] */
@@ -61,9 +67,17 @@ struct contact_law_constants contact_law_constants_of(const struct scene_materia
 /* Adds the losses of `lost` to `sum`. */
 void contact_losses_add(struct contact_losses *sum, const struct contact_losses *lost);
 
-/* Completes the last vector with padding pairs, particles->count and the one behind it, and sets the rows. To be called
- * whenever i and j have changed. */
-void contact_list_close(struct contact_list *list, const struct particles *particles);
+/* Brings the members' history up to date with what the kernels did; to be called before it is read. */
+void contact_list_read(struct contact_list *list);
+
+/* The history of member f of `from` becomes that of member t of `to`, a list of the same model; or none. For lists
+ * that are read and not closed yet. */
+void contact_list_carry(struct contact_list *to, int t, const struct contact_list *from, int f);
+void contact_list_clear(struct contact_list *to, int t);
+
+/* Hands the list over to the kernels: completes the last set with padding pairs, particles->count and the one behind
+ * it, and sets the rows. To be called whenever i, j or the history have changed. Errors: STATUS_NO_MEMORY. */
+enum status contact_list_close(struct contact_list *list, const struct particles *particles) MUST_USE;
 
 /* Makes room for `capacity` members; contents are kept. */
 enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension) MUST_USE;

@@ -16,7 +16,8 @@ static void forces(struct world *world, double dt)
     struct contact_law_constants of_walls = world->law;
     of_walls.mu_s *= world->material->wall_friction;
     of_walls.mu_d *= world->material->wall_friction;
-    world->kernels.pair(&world->particles, &world->pairs, &world->law, &lost);
+    world->kernels.pair(&world->particles, &world->pairs, 0, world->pairs.n_sets, &world->law, world->particles.force,
+                        &lost);
     for (int w = 0; w < world->n_walls; w++)
         world->kernels.wall(&world->particles, &world->walls[w], &of_walls, &lost);
     contact_losses_add(&world->ledger.contacts, &lost);

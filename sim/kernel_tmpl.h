@@ -350,26 +350,26 @@ LANES_INLINE struct NAME(contact_result)
 /* The sets of contacts are independent but for the sums, and each is one long chain of operations. The chain is cut in
  * three that run at a time: while set k is acted on, set k + 1 is approached and set k - 1 added up. The approach
  * behind the last set reads what padding there is (ARRAY_PADDING) and is not used. */
-static void NAME(pair)(struct particles *p, struct contact_list *pairs, const struct contact_law_constants *law_in,
-                       struct contact_losses *losses)
+static void NAME(pair)(const struct particles *p, struct contact_list *pairs, int first, int last,
+                       const struct contact_law_constants *law_in, void *force, struct contact_losses *losses)
 {
     const struct contact_law_constants law = *law_in;
     struct NAME(sums) sums = {real_all(0.0), real_all(0.0), real_all(0.0), real_all(0.0)};
-    if (pairs->count == 0)
+    const int start = first * SET_WIDTH, end = last * SET_WIDTH;
+    if (start >= end)
         return;
-    struct NAME(approach) next = NAME(approach)(p->record, pairs, 0);
+    struct NAME(approach) next = NAME(approach)(p->record, pairs, start);
     struct NAME(contact_result) done = {0};
-    for (int k = 0; k < pairs->count; k += LANES) {
+    for (int k = start; k < end; k += LANES) {
         struct NAME(approach) now = next;
         next = NAME(approach)(p->record, pairs, k + LANES);
         struct NAME(contact_result) result = NAME(act)(&now, &law, pairs, k);
-        if (k > 0)
-            NAME(add_pair)(p->force, pairs->row_i + k - LANES, pairs->row_j + k - LANES, &done);
+        if (k > start)
+            NAME(add_pair)(force, pairs->row_i + k - LANES, pairs->row_j + k - LANES, &done);
         NAME(sums_add)(&sums, &result);
         done = result;
     }
-    const int last = (pairs->count - 1) / LANES * LANES;
-    NAME(add_pair)(p->force, pairs->row_i + last, pairs->row_j + last, &done);
+    NAME(add_pair)(force, pairs->row_i + end - LANES, pairs->row_j + end - LANES, &done);
     NAME(sums_close)(&sums, losses);
 }
 
@@ -453,7 +453,7 @@ static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
 {
     const real dt = real_all(dt_s), half = real_all(0.5 * dt_s), limit2 = real_all(reach_m * reach_m);
     bool near = true;
-    memset(p->force, 0, (size_t)p->count * FORCE_STRIDE(DIM, FRICTIONAL) * sizeof *p->force);
+    memset(p->force, 0, (size_t)p->count * FORCE_STRIDE(DIM, FRICTIONAL) * sizeof(double));
     for (int i = 0; i < p->count; i += LANES) {
         real x[DIM], v[DIM], omega[3] = {0}, moved2 = real_all(0.0);
         for (int c = 0; c < DIM; c++) {
@@ -485,7 +485,7 @@ static double NAME(kick)(struct particles *p, const struct kick_constants *const
     enum { STRIDE = FORCE_STRIDE(DIM, FRICTIONAL) };
     real power = real_all(0.0);
     for (int i = 0; i < p->count; i += LANES) {
-        const double *sums = p->force + (size_t)i * STRIDE;
+        const double *sums = (const double *)p->force + (size_t)i * STRIDE;
         real force[4], inv_mass = real_load(p->inv_mass + i), mass = real_load(p->mass + i), v2 = real_all(0.0);
 #if DIM == 2 && !FRICTIONAL
         lanes_load2(sums, force);

@@ -11,10 +11,11 @@ struct kick_constants {
     double gravity[3];        /* m/s^2, components as the particles' */
 };
 
-/* Forces and moments of all pairs, and their sums in particles->force, which start from zero (drift); history, springs
- * and sliding change. Adds the energy lost. */
-typedef void pair_kernel(struct particles *particles, struct contact_list *pairs,
-                         const struct contact_law_constants *law, struct contact_losses *losses);
+/* Forces and moments of the pairs in sets first ... last - 1 of the list, added to `force`: particles->force, zeroed by
+ * drift, or another array of that kind (particles.h), so that ranges can be done at the same time. History, springs and
+ * sliding change. Adds the energy lost. */
+typedef void pair_kernel(const struct particles *particles, struct contact_list *pairs, int first, int last,
+                         const struct contact_law_constants *law, void *force, struct contact_losses *losses);
 
 /* The same for the contacts of one wall, added to particles->force; sets wall->force. */
 typedef void wall_kernel(struct particles *particles, struct wall *wall, const struct contact_law_constants *law,

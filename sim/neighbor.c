@@ -112,26 +112,6 @@ static enum status sort_by_cell(struct neighbor *nb, const struct particles *p, 
     return STATUS_OK;
 }
 
-static void carry_history(struct contact_list *to, int t, const struct contact_list *from, int f)
-{
-    if (to->hysteretic)
-        to->history[t] = from->history[f];
-    if (to->n_springs)
-        to->sliding[t] = from->sliding[f];
-    for (int c = 0; c < to->n_springs; c++)
-        to->spring[c][t] = from->spring[c][f];
-}
-
-static void clear_history(struct contact_list *to, int t)
-{
-    if (to->hysteretic)
-        to->history[t] = 0;
-    if (to->n_springs)
-        to->sliding[t] = 0;
-    for (int c = 0; c < to->n_springs; c++)
-        to->spring[c][t] = 0;
-}
-
 /* Appends the neighbours j > i among members first ... last - 1 of by_cell to `list`, which has room for all of them.
  * No branch in the loop: what to keep cannot be predicted. */
 static void collect_row(const struct neighbor *nb, const struct particles *p, int i, int first, int last,
@@ -193,6 +173,7 @@ static enum status build_pairs(struct neighbor *nb, const struct particles *p, s
     struct cells cells;
     struct contact_list *fresh = &nb->spare_pairs;
     fresh->count = 0;
+    contact_list_read(pairs);
     cells_of(&cells, p, 2 * largest_radius(p) + nb->skin);
     TRY(sort_by_cell(nb, p, &cells));
     int old = 0;
@@ -206,12 +187,12 @@ static enum status build_pairs(struct neighbor *nb, const struct particles *p, s
             fresh->reach[k] = p->radius[i] + p->radius[fresh->j[k]];
             bool known = old < pairs->count && pairs->i[old] == i && pairs->j[old] == fresh->j[k];
             if (known)
-                carry_history(fresh, k, pairs, old);
+                contact_list_carry(fresh, k, pairs, old);
             else
-                clear_history(fresh, k);
+                contact_list_clear(fresh, k);
         }
     }
-    contact_list_close(fresh, p);
+    TRY(contact_list_close(fresh, p));
     fresh->keep_forces = pairs->keep_forces;
     struct contact_list swap = *pairs;
     *pairs = *fresh;
@@ -223,6 +204,7 @@ static enum status build_wall(struct neighbor *nb, const struct particles *p, st
 {
     struct contact_list *fresh = &nb->spare_wall, *contacts = &wall->contacts;
     fresh->count = 0;
+    contact_list_read(contacts);
     int old = 0;
     for (int i = 0; i < p->count; i++) {
         double gap = wall->inward * (p->x[wall->axis][i] - wall->x) - p->radius[i];
@@ -237,11 +219,11 @@ static enum status build_wall(struct neighbor *nb, const struct particles *p, st
         while (old < contacts->count && contacts->i[old] < i)
             old++;
         if (old < contacts->count && contacts->i[old] == i)
-            carry_history(fresh, k, contacts, old);
+            contact_list_carry(fresh, k, contacts, old);
         else
-            clear_history(fresh, k);
+            contact_list_clear(fresh, k);
     }
-    contact_list_close(fresh, p);
+    TRY(contact_list_close(fresh, p));
     struct contact_list swap = *contacts;
     *contacts = *fresh;
     *fresh = swap;

@@ -45,6 +45,19 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
     return STATUS_OK;
 }
 
+size_t particles_force_size(const struct particles *p)
+{
+    return (size_t)(p->count + ARRAY_PADDING) * FORCE_STRIDE(p->dimension, p->n_rotations > 0) * sizeof(double);
+}
+
+void particles_force_add(struct particles *p, const void *force, size_t from, size_t to)
+{
+    double *sum = p->force;
+    const double *added = force;
+    for (size_t k = from / sizeof *sum; k < to / sizeof *sum; k++)
+        sum[k] += added[k];
+}
+
 void particles_free(struct particles *p)
 {
     for (int c = 0; c < 3; c++) {

@@ -3,6 +3,7 @@
 #define SHAKEDOWN_SIM_PARTICLES_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "common/scene.h"
@@ -23,7 +24,7 @@ struct particles {
     double *inv_inertia; /* 1/(2/5 m a^2); only with rotations */
     double *x_list[3];   /* positions at the last rebuild of the lists */
     double *record;      /* [count][RECORD_STRIDE] what contacts need, side by side; made by drift */
-    double *force; /* [count][FORCE_STRIDE] sums of contact forces [N] and of moments n x f_t [N]; zeroed by drift */
+    void *force; /* [count][FORCE_STRIDE] sums of contact forces [N] and of moments n x f_t [N]; zeroed by drift */
 };
 
 /* Records in blocks of 4: 2D [x0 x1 v0 v1], with friction [omega a - -]; 3D [x0 x1 x2 a][v0 v1 v2 -], with friction
@@ -38,6 +39,12 @@ struct particles {
 /* Allocates `count` zeroed particles. Errors: STATUS_NO_MEMORY. */
 enum status particles_init(struct particles *particles, int count, int dimension, bool rotations) MUST_USE;
 void particles_free(struct particles *particles);
+
+/* Sums like particles->force, for a range of pairs that another thread does: their size [B] (to be allocated aligned to
+ * ARRAY_ALIGNMENT and zeroed), and adding bytes from ... to - 1 of them up. A range that does not end with the array
+ * must be whole cache lines. */
+size_t particles_force_size(const struct particles *particles);
+void particles_force_add(struct particles *particles, const void *force, size_t from, size_t to);
 
 /* Mass of a sphere [LH, D], also in 2D, and the moment of inertia (2/5) m a^2, from radius and density. */
 void particles_set_mass(struct particles *particles, double density_kg_per_m3);
