@@ -1,4 +1,4 @@
-/* Verlet lists from a grid of cells: candidates within a skin, rebuilt when something has moved half the skin. The
+/* Verlet lists from grids of cells: candidates within a skin, rebuilt when something has moved half the skin. The
  * history of contacts is carried over. */
 #ifndef SHAKEDOWN_SIM_NEIGHBOR_H
 #define SHAKEDOWN_SIM_NEIGHBOR_H
@@ -6,27 +6,31 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "sim/cells.h"
 #include "sim/contacts.h"
 #include "sim/particles.h"
+#include "sim/search.h"
 
 struct neighbor {
     double skin; /* m */
     int64_t rebuilds;
-    int32_t *cell_of;    /* [count] */
-    int32_t *cell_first; /* [cells + 1] range in by_cell */
-    int32_t *by_cell;    /* [count] particles sorted by cell */
-    double *sorted_x[3]; /* positions and radii in the order of by_cell */
-    double *sorted_radius;
-    int cell_capacity;
+    struct search search;
+    struct cells cells;
+    struct search_block block;
+    struct pair_buffer found, half_sorted;
+    int32_t *row_first; /* [count + 2] where the pairs of each i start */
+    int32_t *source;    /* where the history of a candidate comes from; -1: it is new */
+    int source_capacity;
     struct contact_list spare_pairs, spare_wall; /* the lists under construction */
 };
 
 /* Prepares lists for the model of `particles`; skin in m. Errors: STATUS_NO_MEMORY. */
-enum status neighbor_init(struct neighbor *neighbor, const struct particles *particles, double skin_m,
-                          bool hysteretic) MUST_USE;
+enum status neighbor_init(struct neighbor *neighbor, const struct particles *particles, double skin_m, bool hysteretic,
+                          enum kernel_isa isa) MUST_USE;
 void neighbor_free(struct neighbor *neighbor);
 
-/* Builds `pairs` and the walls' lists anew for the current positions. Errors: STATUS_NO_MEMORY. */
+/* Builds `pairs` and the walls' lists anew for the current positions: every pair closer than the radii and the skin,
+ * sorted by (i, j). Errors: STATUS_NO_MEMORY, STATUS_LIMIT (too many pairs). */
 enum status neighbor_build(struct neighbor *neighbor, struct particles *particles, struct contact_list *pairs,
                            struct wall *walls, int n_walls) MUST_USE;
 

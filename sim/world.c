@@ -79,7 +79,7 @@ static enum status create_and(struct world **world, const struct scene *scene, e
 enum status world_init_lists(struct world *world)
 {
     double skin = world->scene->neighbor.skin_ratio * mean_radius(&world->particles);
-    return neighbor_init(&world->neighbor, &world->particles, skin, world->pairs.hysteretic);
+    return neighbor_init(&world->neighbor, &world->particles, skin, world->pairs.hysteretic, world->isa);
 }
 
 static enum status fill_sample(struct world *world)
