@@ -21,20 +21,32 @@ struct home {
     double skin;      /* and a margin for single precision [m] */
 };
 
+/* Eight values at a time: a few more than n are written. */
+static inline __attribute__((always_inline)) void to_single(float *restrict to, const double *restrict from,
+                                                            double shift, int n)
+{
+    for (int m = 0; m < n; m += 8)
+        for (int l = 0; l < 8; l++)
+            to[m + l] = (float)(from[m + l] + shift);
+}
+
+static inline __attribute__((always_inline)) void copy_ids(int32_t *restrict to, const int32_t *restrict from, int n)
+{
+    for (int m = 0; m < n; m += 8)
+        for (int l = 0; l < 8; l++)
+            to[m + l] = from[m + l];
+}
+
 /* Appends by_cell[first ... last - 1] to the block, which holds n; returns how many it holds then. Rounded up to whole
  * vectors; what is too much is written over by the next row, or not looked at. */
 static inline __attribute__((always_inline)) int fill_row(const struct cells *cells, struct search_block *block,
                                                           const struct home *home, const int dimension, int n,
                                                           int first, int last)
 {
-    enum { WIDTH = 8 };
-    for (int m = 0; m < last - first; m += WIDTH)
-        for (int l = 0; l < WIDTH; l++) {
-            for (int c = 0; c < dimension; c++)
-                block->x[c][n + m + l] = (float)(cells->x[c][first + m + l] - home->origin[c]);
-            block->reach[n + m + l] = (float)(cells->radius[first + m + l] + home->skin);
-            block->id[n + m + l] = cells->by_cell[first + m + l];
-        }
+    for (int c = 0; c < dimension; c++)
+        to_single(block->x[c] + n, cells->x[c] + first, -home->origin[c], last - first);
+    to_single(block->reach + n, cells->radius + first, home->skin, last - first);
+    copy_ids(block->id + n, cells->by_cell + first, last - first);
     return n + (last - first);
 }
 
