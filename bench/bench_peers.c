@@ -1,0 +1,129 @@
+/* bench_peers --bin DIR --scenes DIR [--scene A|B] [--reps N] [--out DIR] [--json FILE]: the same packing stepped by
+ * LAMMPS, LIGGGHTS and us, one thread each, in turn on one core; and the forces of all three compared
+ * (docs/peers.md). */
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench/child.h"
+#include "bench/peers_bench.h"
+#include "bench/prepare.h"
+#include "common/command_line.h"
+#include "common/floating_point.h"
+#include "sim/kernels.h"
+
+static const struct peers_case CASES[] = {
+    {.name = "A", .file = "biaxial.cfg", .our_steps = 40000, .steps = 4000},
+    {.name = "B", .file = "triaxial_cyclic.cfg", .our_steps = 8000, .steps = 2000},
+};
+
+struct options {
+    const char *bin, *scenes, *out;
+    int reps;
+};
+
+static void show_cpu(json_t *root)
+{
+    char line[256], model[256] = "unknown CPU";
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    while (file && fgets(line, sizeof line, file))
+        if (sscanf(line, "model name : %255[^\n]", model) == 1)
+            break;
+    if (file)
+        fclose(file);
+    printf("CPU: %s", model);
+    for (int isa = 0; isa < ISA_COUNT; isa++)
+        if (kernel_isa_supported(isa))
+            printf(", %s", kernel_isa_name(isa));
+    printf("\n");
+    json_object_set_new(root, "cpu", json_string(model));
+}
+
+static enum status fill_work(struct peers_work *work, const struct options *options)
+{
+    char path[1024];
+    snprintf(path, sizeof path, "%s/%s", options->scenes, work->at->file);
+    snprintf(work->folder, sizeof work->folder, "%s/%s", options->out, work->at->name);
+    TRY(prepare_sample(work->sim, path, NULL, 0, work->folder, work->checkpoint));
+    TRY(scene_load(work->whole, path, NULL, 0));
+    *work->last = *work->whole; /* its text stays the whole's */
+    prepare_stage(work->last, (int)work->whole->n_stages - 1, work->checkpoint);
+    return STATUS_OK;
+}
+
+static enum status run_case(const struct peers_case *at, const struct options *options, json_t *cases)
+{
+    char sim[1024];
+    snprintf(sim, sizeof sim, "%s/sim/sim", options->bin);
+    struct peers_work work = {.at = at,
+                              .sim = sim,
+                              .whole = calloc(1, sizeof *work.whole),
+                              .last = calloc(1, sizeof *work.last),
+                              .reps = options->reps,
+                              .report = json_pack("{s:s, s:s}", "scene", at->name, "file", at->file)};
+    enum status status =
+        work.whole && work.last ? fill_work(&work, options) : status_fail(STATUS_NO_MEMORY, "out of memory");
+    if (status == STATUS_OK) {
+        printf("\nscene %s: %s, %lld particles\n", at->name, at->file, (long long)work.last->sample.count);
+        status = peers_physics(&work);
+    }
+    if (status == STATUS_OK && work.reps > 0)
+        status = peers_timing(&work);
+    json_array_append_new(cases, work.report);
+    if (work.whole)
+        scene_free(work.whole);
+    free(work.whole);
+    free(work.last);
+    return status;
+}
+
+static enum status run_cases(const struct options *options, const char *only, json_t *root)
+{
+    json_t *cases = json_array();
+    bool any = false;
+    json_object_set_new(root, "cases", cases);
+    TRY(folder_make(options->out));
+    show_cpu(root);
+    for (size_t k = 0; k < sizeof CASES / sizeof *CASES; k++) {
+        if (only && strcmp(only, CASES[k].name) != 0)
+            continue;
+        any = true;
+        TRY(run_case(&CASES[k], options, cases));
+    }
+    return any ? STATUS_OK : status_fail(STATUS_USAGE, "there is no scene %s: A or B", only);
+}
+
+static enum status bench(struct options *options, const char *only, const char *reps, const char *json_path)
+{
+    int core;
+    if (!options->bin || !options->scenes || !options->out)
+        return status_fail(STATUS_USAGE, "start it with ./shakedown bench peers");
+    options->reps = reps ? atoi(reps) : 5;
+    if (options->reps < 0 || options->reps > PEERS_REPS_MAX)
+        return status_fail(STATUS_USAGE, "--reps must be 0 (forces only) to %d", PEERS_REPS_MAX);
+    TRY(pin_to_core(&core));
+    json_t *root = json_object();
+    enum status status = run_cases(options, only, root);
+    if (status == STATUS_OK && json_path && json_dump_file(root, json_path, JSON_INDENT(1)) != 0)
+        status = status_fail(STATUS_IO, "%s: cannot be written", json_path);
+    json_decref(root);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct options options = {0};
+    const char *json_path = NULL, *only = NULL, *reps = NULL;
+    const struct command_line_option own[] = {
+        {"bin", &options.bin, NULL}, {"scenes", &options.scenes, NULL}, {"scene", &only, NULL}, {"reps", &reps, NULL},
+        {"out", &options.out, NULL}, {"json", &json_path, NULL},        {NULL, NULL, NULL}};
+    struct command_line line;
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    floating_point_flush_subnormals();
+    enum status status = command_line_parse(&line, argc, argv, own);
+    if (status == STATUS_OK)
+        status = bench(&options, only, reps, json_path);
+    return status_report("bench_peers", status);
+}

@@ -1,0 +1,46 @@
+/* The two halves of the benchmark against peers: equal physics, and time. */
+#ifndef SHAKEDOWN_BENCH_PEERS_BENCH_H
+#define SHAKEDOWN_BENCH_PEERS_BENCH_H
+
+#include <jansson.h>
+
+#include "bench/peers_input.h"
+
+enum { PEERS_REPS_MAX = 100 };
+
+struct peers_case {
+    const char *name, *file;
+    long our_steps, steps; /* of a timed run */
+};
+
+/* One scene's benchmark. */
+struct peers_work {
+    const struct peers_case *at;
+    const char *sim;                    /* the program */
+    char folder[1024];                  /* of this scene */
+    char checkpoint[CONFIG_STRING_MAX]; /* the prepared sample */
+    struct scene *whole, *last;         /* the scene, and its last stage alone, from the checkpoint */
+    int reps;
+    json_t *report;
+};
+
+/* What the scene says, for peers: linear law with k1 in place of a hysteretic one. Walls and mean masses from the
+ * world, which is of that scene. */
+struct peer_input peers_input_of(const struct scene *scene, const struct world *world);
+
+/* Writes the packing and the script, runs the peer, leaves its log in FOLDER/NAME.log. `input`->data is set. */
+enum status peers_run(struct peer_input *input, const struct world *world, const char *folder,
+                      const char *name) MUST_USE;
+
+/* Mean radius [m]. */
+double peers_mean_radius(const struct world *world);
+
+/* Forces on every particle, and positions after some hundred steps, of the peers and ours. Prints a table and adds it
+ * to the report. */
+enum status peers_physics(const struct peers_work *work) MUST_USE;
+
+/* Time per step, all in turn. A hysteretic sample is first settled with the linear law of its k1, so that the peers,
+ * who start without history, get one at rest. */
+enum status peers_timing(const struct peers_work *work) MUST_USE;
+
+#endif

@@ -1,0 +1,191 @@
+#include "bench/peers_input.h"
+
+#include <math.h>
+
+/* In 2D, LAMMPS wants a thin box about z = 0; LIGGGHTS, which steps it in 3D so that masses are those of spheres, one
+ * that is far from all particles. */
+static double half_depth(enum peer peer, const struct world *world)
+{
+    const struct particles *p = &world->particles;
+    double largest = 0;
+    for (int i = 0; i < p->count; i++)
+        largest = fmax(largest, p->radius[i]);
+    return peer == PEER_LAMMPS ? 0.1 * largest : 10 * largest;
+}
+
+void peers_write_data(FILE *out, enum peer peer, const struct world *world)
+{
+    const struct particles *p = &world->particles;
+    const double pi = acos(-1.0), depth = half_depth(peer, world);
+    fprintf(out, "packing written by shakedown\n\n%d atoms\n1 atom types\n", p->count);
+    for (int c = 0; c < 3; c++) {
+        double lo = c < p->dimension ? world->walls[2 * c].x : -depth;
+        double hi = c < p->dimension ? world->walls[2 * c + 1].x : depth;
+        fprintf(out, "%.17g %.17g %clo %chi\n", lo, hi, 'x' + c, 'x' + c);
+    }
+    fprintf(out, "\nAtoms\n\n");
+    for (int i = 0; i < p->count; i++) {
+        double a = p->radius[i];
+        fprintf(out, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", i + 1, 2 * a, p->mass[i] / (4.0 / 3 * pi * a * a * a),
+                p->x[0][i], p->x[1][i], p->dimension == 3 ? p->x[2][i] : 0);
+    }
+    fprintf(out, "\nVelocities\n\n");
+    for (int i = 0; i < p->count; i++) {
+        fprintf(out, "%d %.17g %.17g %.17g", i + 1, p->v[0][i], p->v[1][i], p->dimension == 3 ? p->v[2][i] : 0);
+        for (int c = 0; c < 3; c++)
+            fprintf(out, " %.17g", p->n_rotations == 3 ? p->omega[c][i] : 0);
+        fprintf(out, "\n");
+    }
+}
+
+static void write_lists(FILE *out, const struct peer_input *in)
+{
+    fprintf(out, "neighbor %.17g bin\nneigh_modify every 1 delay %d check yes\n", in->skin_m, in->delay);
+}
+
+/* Motion, background damping, and the steps, without any output between. In 2D nothing has a velocity along z or a
+ * force, so that fix enforce2d is not needed. */
+static void write_run(FILE *out, const struct peer_input *in)
+{
+    fprintf(out, "fix motion all nve%s\n", in->frictional || in->peer == PEER_LIGGGHTS ? "/sphere" : "");
+    if (in->gamma_b > 0)
+        fprintf(out, "fix background all viscous %.17g\n", in->gamma_b);
+    fprintf(out, "timestep %.17g\nthermo 1000000000\n", in->dt_s);
+    if (in->warm_up > 0)
+        fprintf(out, "run %ld\n", in->warm_up);
+    if (in->dump) {
+        fprintf(out, "dump state all custom 1000000000 %s id x y z fx fy fz\n", in->dump);
+        fprintf(out, "dump_modify state sort id format %s%s\n", in->peer == PEER_LAMMPS ? "line " : "",
+                "\"%d %.17g %.17g %.17g %.17g %.17g %.17g\"");
+        if (in->steps > 0) /* only the last one */
+            fprintf(out, "dump_modify state first no every %ld\n", in->steps);
+    }
+    fprintf(out, "run %ld\n", in->steps);
+}
+
+/* --- LAMMPS --- */
+
+/* Smooth walls: the normal law alone. Plain styles damp by mass, and a wall's reduced mass is the particle's. */
+static void lammps_wall(char *text, size_t size, const struct peer_input *in)
+{
+    if (in->law == PEER_GRANULAR)
+        snprintf(text, size, "granular hooke %.17g %.17g damping velocity tangential linear_nohistory 0 0", in->kn,
+                 in->gamma_n);
+    else
+        snprintf(text, size, "hooke %.17g 0 %.17g 0 0 0", in->kn, in->gamma_n / (2 * in->reduced_mass));
+}
+
+static void lammps_fixed_walls(FILE *out, const struct peer_input *in, const char *law)
+{
+    for (int c = 0; c < in->dimension; c++)
+        fprintf(out, "fix wall%c all wall/gran %s %cplane %.17g %.17g\n", 'x' + c, law, 'x' + c, in->lo[c], in->hi[c]);
+}
+
+/* Half-spaces that move: each wall has a displacement of its own, evaluated in every step. */
+static void lammps_moving_walls(FILE *out, const struct peer_input *in, const char *law)
+{
+    const double speed = 1e-5; /* m/s, so slow that the packing stays what it is */
+    for (int w = 0; w < 2 * in->dimension; w++) {
+        int c = w / 2;
+        double at[3] = {0}, normal[3] = {0};
+        const char *move[3] = {"NULL", "NULL", "NULL"};
+        char name[24];
+        snprintf(name, sizeof name, "v_path%d", w);
+        at[c] = w % 2 ? in->hi[c] : in->lo[c];
+        normal[c] = w % 2 ? -1 : 1;
+        move[c] = name;
+        fprintf(out, "variable path%d equal vdisplace(0,%.17g)\n", w, normal[c] * speed);
+        fprintf(out, "region wall%d plane %.17g %.17g %.17g %g %g %g side in move %s %s %s units box\n", w, at[0],
+                at[1], at[2], normal[0], normal[1], normal[2], move[0], move[1], move[2]);
+        fprintf(out, "fix wall%d all wall/gran/region %s region wall%d\n", w, law, w);
+    }
+}
+
+static void lammps_pair(FILE *out, const struct peer_input *in)
+{
+    const double damping = in->gamma_n / in->reduced_mass;
+    if (in->law == PEER_GRANULAR) {
+        fprintf(out, "pair_style granular\npair_coeff * * hooke %.17g %.17g tangential ", in->kn, in->gamma_n);
+        if (in->frictional) /* damping of the tangential part: a factor of the normal one */
+            fprintf(out, "linear_history %.17g %.17g %.17g damping velocity\n", in->kt,
+                    in->gamma_n > 0 ? in->gamma_t / in->gamma_n : 0, in->mu);
+        else
+            fprintf(out, "linear_nohistory 0 0 damping velocity\n");
+        return;
+    }
+    if (in->frictional)
+        fprintf(out, "pair_style gran/hooke/history %.17g %.17g %.17g %.17g %.17g 1\n", in->kn, in->kt, damping,
+                in->gamma_t / in->reduced_mass, in->mu);
+    else
+        fprintf(out, "pair_style gran/hooke %.17g 0 %.17g 0 0 0\n", in->kn, damping);
+    fprintf(out, "pair_coeff * *\n");
+}
+
+static void write_lammps(FILE *out, const struct peer_input *in)
+{
+    char wall[256];
+    fprintf(out,
+            "units si\ndimension %d\nboundary f f %c\natom_style sphere\natom_modify map array sort 1000 0\n"
+            "newton off\ncomm_modify mode single vel yes\nread_data %s\n",
+            in->dimension, in->dimension == 3 ? 'f' : 'p', in->data);
+    lammps_pair(out, in);
+    write_lists(out, in);
+    lammps_wall(wall, sizeof wall, in);
+    if (in->walls_move)
+        lammps_moving_walls(out, in, wall);
+    else
+        lammps_fixed_walls(out, in, wall);
+    write_run(out, in);
+}
+
+/* --- LIGGGHTS --- */
+
+static void liggghts_property(FILE *out, const char *name, double value)
+{
+    fprintf(out, "fix %s all property/global %s peratomtypepair 1 %.17g\n", name, name, value);
+}
+
+static void liggghts_properties(FILE *out, const struct peer_input *in)
+{
+    liggghts_property(out, "coefficientFriction", in->frictional ? in->mu : 0);
+    if (in->law == PEER_STIFFNESS) {
+        liggghts_property(out, "kn", in->kn);
+        liggghts_property(out, "kt", in->kt);
+        liggghts_property(out, "gamman_abs", in->gamma_n);
+        liggghts_property(out, "gammat_abs", in->gamma_t);
+        return;
+    }
+    liggghts_property(out, "LoadingStiffness", in->kn);
+    liggghts_property(out, "UnloadingStiffness", in->k2 / in->kn);
+    liggghts_property(out, "coefficientAdhesionStiffness", in->kc / in->kn);
+    liggghts_property(out, "coefficientPlasticityDepth", 0.5); /* far above the overlaps: k2 is reached there */
+    liggghts_property(out, "pullOffForce", 0);
+    liggghts_property(out, "coefficientRestitution", in->restitution);
+}
+
+/* Without friction "no_history", the form that LIGGGHTS has compiled as a whole, is faster than "off". */
+static void write_liggghts(FILE *out, const struct peer_input *in)
+{
+    const char *model = in->law == PEER_LUDING ? "luding" : "hooke/stiffness";
+    const char *options = in->law == PEER_LUDING ? "" : "absolute_damping on";
+    fprintf(out,
+            "units si\natom_style granular\natom_modify map array sort 1000 0\nboundary f f f\nnewton off\n"
+            "communicate single vel yes\nread_data %s\n",
+            in->data);
+    liggghts_properties(out, in);
+    fprintf(out, "pair_style gran model %s tangential %s %s\npair_coeff * *\n", model,
+            in->frictional ? "history" : "no_history", options);
+    write_lists(out, in);
+    for (int w = 0; w < 2 * in->dimension; w++) /* smooth: no tangential model */
+        fprintf(out, "fix wall%d all wall/gran model %s tangential off primitive type 1 %cplane %.17g %s\n", w, model,
+                'x' + w / 2, w % 2 ? in->hi[w / 2] : in->lo[w / 2], options);
+    write_run(out, in);
+}
+
+void peers_write_script(FILE *out, const struct peer_input *input)
+{
+    if (input->peer == PEER_LAMMPS)
+        write_lammps(out, input);
+    else
+        write_liggghts(out, input);
+}

@@ -1,0 +1,75 @@
+#include "bench/peers_output.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The last place where `mark` stands at the start of a line; NULL: nowhere. */
+static const char *last_line(const char *text, const char *mark)
+{
+    const char *found = NULL;
+    for (const char *at = strstr(text, mark); at; at = strstr(at + 1, mark))
+        if (at == text || at[-1] == '\n' || at[-1] == '\r')
+            found = at;
+    return found;
+}
+
+enum status peers_read_loop(const char *log, double *us_per_step)
+{
+    double seconds;
+    long steps;
+    int processes = 1;
+    const char *line = last_line(log, "Loop time of ");
+    if (line) {
+        if (sscanf(line, "Loop time of %lf on %d procs for %ld steps", &seconds, &processes, &steps) != 3)
+            return status_fail(STATUS_FORMAT, "a log with an unknown kind of loop time: %.60s", line);
+    } else {
+        line = last_line(log, "sim: ");
+        if (!line || sscanf(line, "sim: %ld steps, %lf s", &steps, &seconds) != 2)
+            return status_fail(STATUS_FORMAT, "a log without the time of the loop");
+    }
+    if (steps < 1 || !(seconds > 0) || processes != 1)
+        return status_fail(STATUS_FORMAT, "no time per step in: %.60s", line);
+    *us_per_step = 1e6 * seconds / (double)steps;
+    return STATUS_OK;
+}
+
+enum status peers_read_dump(const char *text, int count, double *position_m, double *force_n)
+{
+    const char *at = last_line(text, "ITEM: ATOMS id x y z fx fy fz");
+    if (!at)
+        return status_fail(STATUS_FORMAT, "a dump without particles");
+    at = strchr(at, '\n');
+    for (int i = 0; i < count; i++) {
+        double number[7];
+        for (int k = 0; k < 7; k++) {
+            char *end = NULL;
+            number[k] = at ? strtod(at, &end) : 0;
+            if (!at || end == at || !isfinite(number[k]))
+                return status_fail(STATUS_FORMAT, "a dump that ends, or has no number, at particle %d of %d", i + 1,
+                                   count);
+            at = end;
+        }
+        if (number[0] != i + 1)
+            return status_fail(STATUS_FORMAT, "a dump with particle %g in place of %d", number[0], i + 1);
+        memcpy(position_m + 3 * (size_t)i, number + 1, 3 * sizeof *number);
+        memcpy(force_n + 3 * (size_t)i, number + 4, 3 * sizeof *number);
+    }
+    return STATUS_OK;
+}
+
+struct peers_difference peers_compare(const double *a, const double *b, int count)
+{
+    struct peers_difference difference = {0};
+    double sum = 0;
+    for (int i = 0; i < count; i++) {
+        double d2 = 0;
+        for (int c = 0; c < 3; c++)
+            d2 += (a[3 * i + c] - b[3 * i + c]) * (a[3 * i + c] - b[3 * i + c]);
+        sum += d2;
+        difference.largest = fmax(difference.largest, sqrt(d2));
+    }
+    difference.rms = count > 0 ? sqrt(sum / count) : 0;
+    return difference;
+}

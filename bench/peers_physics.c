@@ -1,0 +1,233 @@
+/* Equal physics, shown: the same state given to all three, and what each makes of it. */
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench/child.h"
+#include "bench/peers_bench.h"
+#include "bench/peers_output.h"
+#include "sim/integrate.h"
+#include "sim/measure.h"
+
+enum { PATH_STEPS = 200 };
+
+/* What is compared. */
+struct trial {
+    const char *name;
+    enum peer peer;
+    enum peer_law law;
+    bool friction, damping, hysteretic;
+    long steps; /* 0: the forces of the state */
+};
+
+/* Friction so strong that nothing slides where forces are compared: without a spring yet, the three treat a slider
+ * differently. */
+static const double STICKY_MU = 100;
+
+static const struct trial TRIALS[] = {
+    {"forces, no friction", PEER_LAMMPS, PEER_GRANULAR, false, true, false, 0},
+    {"forces, no friction", PEER_LIGGGHTS, PEER_STIFFNESS, false, true, false, 0},
+    {"forces, Luding, first loading", PEER_LIGGGHTS, PEER_LUDING, false, false, true, 0},
+    {"forces, friction", PEER_LAMMPS, PEER_GRANULAR, true, true, false, 0},
+    {"forces, friction", PEER_LIGGGHTS, PEER_STIFFNESS, true, true, false, 0},
+    {"paths, no loss", PEER_LAMMPS, PEER_HOOKE, false, false, false, PATH_STEPS},
+    {"paths, no loss", PEER_LIGGGHTS, PEER_STIFFNESS, false, false, false, PATH_STEPS},
+    {"paths, friction and damping", PEER_LAMMPS, PEER_GRANULAR, true, true, false, PATH_STEPS},
+    {"paths, friction and damping", PEER_LIGGGHTS, PEER_STIFFNESS, true, true, false, PATH_STEPS},
+};
+
+/* The trial's law in the scene, walls that stay, no background. */
+static void set_law(struct scene *scene, const struct trial *trial, bool hysteretic)
+{
+    struct scene_material *m = &scene->stage[0].material;
+    if (hysteretic && !trial->hysteretic) {
+        m->law = LAW_LINEAR;
+        m->kn_n_per_m = m->k1_n_per_m;
+    }
+    if (!trial->friction)
+        m->mu_s = m->mu_d = 0;
+    else if (trial->steps == 0)
+        m->mu_s = m->mu_d = STICKY_MU;
+    if (!trial->damping)
+        m->gamma_n_kg_per_s = m->gamma_t_kg_per_s = 0;
+    m->gamma_b_kg_per_s = m->gamma_br_kg_per_s = 0;
+    for (int k = 0; k < SCENE_AXES; k++)
+        scene->stage[0].axis[k].mode = WALL_FIXED;
+}
+
+static void forget(struct contact_list *list)
+{
+    size_t size = (size_t)list->count * sizeof(double);
+    for (int c = 0; c < list->n_springs; c++)
+        memset(list->spring[c], 0, size);
+    if (list->hysteretic)
+        memset(list->history, 0, size);
+}
+
+/* No history, as the peers start without. No rotation: the peers' lever arms are shorter by half the overlap. speed:
+ * 0 leaves the velocities; else they are those of a compression, unlike along the axes, with about this relative
+ * velocity in contacts: all approach, as we let none pull and rub, and the peers do. */
+static void set_state(struct world *world, double speed)
+{
+    static const double share[3] = {1, 0.6, 0.3};
+    const double rate = speed / (2 * peers_mean_radius(world));
+    struct particles *p = &world->particles;
+    forget(&world->pairs);
+    for (int w = 0; w < world->n_walls; w++)
+        forget(&world->walls[w].contacts);
+    for (int c = 0; c < p->n_rotations; c++)
+        memset(p->omega[c], 0, (size_t)p->count * sizeof(double));
+    for (int c = 0; speed > 0 && c < p->dimension; c++)
+        for (int i = 0; i < p->count; i++)
+            p->v[c][i] = -share[c] * rate * (p->x[c][i] - 0.5 * (world->walls[2 * c].x + world->walls[2 * c + 1].x));
+}
+
+/* Its law, walls that stay. */
+static enum status start_stage(struct world *world)
+{
+    struct wall_command command = {.n_steps = INT_MAX, .n_walls = world->n_walls};
+    for (int w = 0; w < world->n_walls; w++)
+        command.position_m[w] = world->walls[w].x;
+    return world_command(world, &command);
+}
+
+/* [3 count], components that the world lacks zero. */
+static void positions_and_forces(const struct world *world, double *x, double *f)
+{
+    const struct particles *p = &world->particles;
+    for (int i = 0; i < p->count; i++)
+        for (int c = 0; c < 3; c++) {
+            x[3 * i + c] = c < p->dimension ? p->x[c][i] : 0;
+            f[3 * i + c] = c < p->dimension ? p->a[c][i] * p->mass[i] : 0;
+        }
+}
+
+static enum status mean_contact_force(const struct world *world, double *mean)
+{
+    int n = measure_contacts(world, NULL);
+    struct contact_measurement *contacts = malloc(sizeof *contacts * (size_t)(n + 1));
+    if (!contacts)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    n = measure_contacts(world, contacts);
+    *mean = 0;
+    for (int k = 0; k < n; k++)
+        *mean += fabs(contacts[k].normal_force_n) / n;
+    free(contacts);
+    return STATUS_OK;
+}
+
+struct states {
+    double *start, *ours, *ours_force, *theirs, *theirs_force; /* [3 count] */
+    double mean_force;
+};
+
+static enum status states_init(struct states *states, int count)
+{
+    double **member[] = {&states->start, &states->ours, &states->ours_force, &states->theirs, &states->theirs_force};
+    for (size_t k = 0; k < sizeof member / sizeof *member; k++) {
+        *member[k] = calloc(3 * (size_t)count, sizeof(double));
+        if (!*member[k])
+            return status_fail(STATUS_NO_MEMORY, "out of memory");
+    }
+    return STATUS_OK;
+}
+
+static void states_free(struct states *states)
+{
+    free(states->start);
+    free(states->ours);
+    free(states->ours_force);
+    free(states->theirs);
+    free(states->theirs_force);
+}
+
+static enum status run_peer(const struct trial *trial, const struct scene *scene, const struct world *world,
+                            const char *folder, struct states *states)
+{
+    char dump[1024], *text;
+    struct peer_input input = peers_input_of(scene, world);
+    snprintf(dump, sizeof dump, "%s/dump", folder);
+    input.peer = trial->peer;
+    input.law = trial->law;
+    input.dump = dump;
+    input.gamma_b = 0;
+    input.steps = trial->steps;
+    input.restitution = 1;
+    TRY(peers_run(&input, world, folder, "physics"));
+    TRY(file_read(dump, &text));
+    enum status status = peers_read_dump(text, world->particles.count, states->theirs, states->theirs_force);
+    free(text);
+    return status;
+}
+
+static enum status both(const struct trial *trial, const struct scene *scene, struct world *world, const char *folder,
+                        struct states *states)
+{
+    const struct scene_material *m = &scene->stage[0].material;
+    TRY(states_init(states, world->particles.count));
+    TRY(start_stage(world));
+    TRY(mean_contact_force(world, &states->mean_force));       /* of the prepared state */
+    bool moves = trial->steps == 0 && m->gamma_n_kg_per_s > 0; /* damping adds about a tenth to the forces */
+    set_state(world, moves ? 0.1 * states->mean_force / m->gamma_n_kg_per_s : 0);
+    TRY(run_peer(trial, scene, world, folder, states));
+    integrate_forces_anew(world);
+    positions_and_forces(world, states->start, states->ours_force);
+    for (long k = 0; k < trial->steps; k++)
+        TRY(world_step(world));
+    positions_and_forces(world, states->ours, states->ours_force);
+    return STATUS_OK;
+}
+
+/* Forces over the mean contact force; positions over the rms displacement. */
+static void report_trial(const struct trial *trial, const struct states *states, int count, json_t *rows)
+{
+    const char *peer = trial->peer == PEER_LAMMPS ? "LAMMPS" : "LIGGGHTS";
+    struct peers_difference d;
+    double scale = states->mean_force;
+    if (trial->steps == 0) {
+        d = peers_compare(states->ours_force, states->theirs_force, count);
+    } else {
+        scale = peers_compare(states->ours, states->start, count).rms;
+        d = peers_compare(states->ours, states->theirs, count);
+    }
+    printf("  %-30s %-9s largest %8.1e   rms %8.1e   of %s %.3g %s\n", trial->name, peer, d.largest / scale,
+           d.rms / scale, trial->steps ? "the rms displacement" : "the mean contact force", scale,
+           trial->steps ? "m" : "N");
+    json_array_append_new(rows, json_pack("{s:s, s:s, s:f, s:f, s:f}", "what", trial->name, "peer", peer, "largest",
+                                          d.largest / scale, "rms", d.rms / scale, "scale", scale));
+}
+
+static enum status run_trial(const struct trial *trial, const struct scene *original, const char *folder, json_t *rows)
+{
+    struct states states = {0};
+    struct world *world = NULL;
+    struct scene *scene = malloc(sizeof *scene);
+    if (!scene)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    *scene = *original; /* its text stays the original's */
+    set_law(scene, trial, scene_is_hysteretic(original));
+    enum status status = world_create(&world, scene);
+    if (status == STATUS_OK)
+        status = both(trial, scene, world, folder, &states);
+    if (status == STATUS_OK)
+        report_trial(trial, &states, world->particles.count, rows);
+    states_free(&states);
+    world_free(world);
+    free(scene);
+    return status;
+}
+
+enum status peers_physics(const struct peers_work *work)
+{
+    json_t *rows = json_array();
+    json_object_set_new(work->report, "physics", rows);
+    printf("difference to ours, \"paths\" after %d steps:\n", PATH_STEPS);
+    for (size_t k = 0; k < sizeof TRIALS / sizeof *TRIALS; k++) {
+        if ((TRIALS[k].friction && !scene_is_frictional(work->last)) ||
+            (TRIALS[k].hysteretic && !scene_is_hysteretic(work->last)))
+            continue;
+        TRY(run_trial(&TRIALS[k], work->last, work->folder, rows));
+    }
+    return STATUS_OK;
+}

@@ -1,0 +1,72 @@
+/* A scene as a peer is told it, and a run of the peer. */
+#include <stdlib.h>
+
+#include "bench/child.h"
+#include "bench/peers_bench.h"
+
+static const char *const PROGRAM[] = {[PEER_LAMMPS] = "lmp", [PEER_LIGGGHTS] = "liggghts"};
+
+double peers_mean_radius(const struct world *world)
+{
+    double sum = 0;
+    for (int i = 0; i < world->particles.count; i++)
+        sum += world->particles.radius[i];
+    return sum / world->particles.count;
+}
+
+struct peer_input peers_input_of(const struct scene *scene, const struct world *world)
+{
+    const struct scene_material *m = &scene->stage[0].material;
+    bool hysteretic = m->law == LAW_HYSTERETIC;
+    double mass = 0;
+    for (int i = 0; i < world->particles.count; i++)
+        mass += world->particles.mass[i] / world->particles.count;
+    struct peer_input input = {.dimension = world->particles.dimension,
+                               .frictional = m->mu_s > 0 || m->mu_d > 0,
+                               .kn = hysteretic ? m->k1_n_per_m : m->kn_n_per_m,
+                               .gamma_n = m->gamma_n_kg_per_s,
+                               .kt = m->kt_n_per_m,
+                               .gamma_t = m->gamma_t_kg_per_s,
+                               .mu = m->mu_s,
+                               .k2 = m->k2_n_per_m,
+                               .kc = m->kc_n_per_m,
+                               .reduced_mass = 0.5 * mass,
+                               .gamma_b = m->gamma_b_kg_per_s,
+                               .dt_s = scene->stage[0].dt_s,
+                               .skin_m = 0.1 * peers_mean_radius(world)};
+    for (int c = 0; c < input.dimension; c++) {
+        input.lo[c] = world->walls[2 * c].x;
+        input.hi[c] = world->walls[2 * c + 1].x;
+    }
+    return input;
+}
+
+static enum status write_files(const struct peer_input *input, const struct world *world, const char *script)
+{
+    FILE *data = fopen(input->data, "w"), *in = fopen(script, "w");
+    bool good = data && in;
+    if (good) {
+        peers_write_data(data, input->peer, world);
+        peers_write_script(in, input);
+    }
+    good = (!data || fclose(data) == 0) && good;
+    good = (!in || fclose(in) == 0) && good;
+    return good ? STATUS_OK : status_fail(STATUS_IO, "%s or %s cannot be written", input->data, script);
+}
+
+enum status peers_run(struct peer_input *input, const struct world *world, const char *folder, const char *name)
+{
+    char data[1024], script[1024], log[1024];
+    snprintf(data, sizeof data, "%s/%s.data", folder, name);
+    snprintf(script, sizeof script, "%s/%s.in", folder, name);
+    snprintf(log, sizeof log, "%s/%s.log", folder, name);
+    input->data = data;
+    enum status status = write_files(input, world, script);
+    if (status == STATUS_OK) {
+        const char *const argv[] = {PROGRAM[input->peer], "-in", script, "-log", "none", "-nocite", NULL};
+        struct child child = {.argv = argv, .log = log, .variable = "OMP_NUM_THREADS", .value = "1"};
+        status = child_run(&child);
+    }
+    input->data = NULL;
+    return status;
+}

@@ -1,0 +1,8 @@
+# The benchmark against peers and the one of accuracy: what they write, read and compute. The peers are not needed.
+add_executable(test_peers ${CMAKE_CURRENT_LIST_DIR}/test_peers.c)
+target_link_libraries(test_peers PRIVATE sim_fixture shakedown_bench)
+add_test(NAME bench_peers COMMAND test_peers)
+set_tests_properties(bench_peers PROPERTIES LABELS unit TIMEOUT 30)
+
+add_test(NAME bench_peers_missing COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_peers.sh)
+set_tests_properties(bench_peers_missing PROPERTIES LABELS unit TIMEOUT 30)

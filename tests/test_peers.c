@@ -1,0 +1,295 @@
+/* The benchmark against peers: what it writes for them, what it reads from them. None of them is needed. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench/peers_input.h"
+#include "bench/peers_output.h"
+#include "bench/prepare.h"
+#include "sim_fixture.h"
+
+static char *text_of(void (*write)(FILE *out, const void *what), const void *what)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    write(out, what);
+    assert_int_equal(fclose(out), 0);
+    return text;
+}
+
+static void write_lammps_data(FILE *out, const void *world)
+{
+    peers_write_data(out, PEER_LAMMPS, world);
+}
+
+static void write_liggghts_data(FILE *out, const void *world)
+{
+    peers_write_data(out, PEER_LIGGGHTS, world);
+}
+
+static void write_script(FILE *out, const void *input)
+{
+    peers_write_script(out, input);
+}
+
+/* The line after `heading` and an empty one. */
+static const char *line_after(const char *text, const char *heading)
+{
+    const char *at = strstr(text, heading);
+    assert_non_null(at);
+    at = strchr(at, '\n');
+    assert_non_null(at);
+    return at + 2;
+}
+
+/* Every number comes back to the last bit; the mass by way of the density, to rounding: three products and a quotient
+ * on either side, 4 eps each. */
+static void packing_is_what_we_have(void **state)
+{
+    (void)state;
+    struct fixture_options options = {.dimension = 2, .count = 3, .material = "kn_n_per_m = 1e3;", .dt_s = 1e-6};
+    struct fixture f = fixture_open(&options);
+    struct particles *p = &f.world->particles;
+    p->radius[0] = 1.1e-3;
+    p->x[1][0] += 1e-17;
+    p->v[1][0] = -1.0 / 3;
+    fixture_start(&f);
+    char *text = text_of(write_lammps_data, f.world);
+    assert_non_null(strstr(text, "\n3 atoms\n1 atom types\n"));
+    double lo, hi, diameter, density, x, y, z, vx, vy;
+    assert_int_equal(sscanf(line_after(text, "1 atom types") - 1, "%lf %lf xlo xhi", &lo, &hi), 2);
+    assert_true(lo == f.world->walls[0].x && hi == f.world->walls[1].x);
+    assert_int_equal(
+        sscanf(line_after(text, "Atoms"), "1 1 %lf %lf %lf %lf %lf\n2 ", &diameter, &density, &x, &y, &z), 5);
+    assert_true(diameter == 2 * p->radius[0] && x == p->x[0][0] && y == p->x[1][0] && z == 0);
+    double mass = density * 4.0 / 3 * acos(-1.0) * diameter * diameter * diameter / 8;
+    assert_close("mass [kg]", mass, p->mass[0], 8 * 2.3e-16 * p->mass[0]);
+    assert_int_equal(sscanf(line_after(text, "Velocities"), "1 %lf %lf 0 0 0 0\n2 0 0 0 0 0 0\n3", &vx, &vy), 2);
+    assert_true(vx == 0 && vy == -1.0 / 3);
+    free(text);
+    text = text_of(write_liggghts_data, f.world);
+    assert_non_null(strstr(text, "\n-0.011000000000000001 0.011000000000000001 zlo zhi\n")); /* 10 largest radii */
+    free(text);
+    fixture_close(&f);
+}
+
+static void packing_in_three_dimensions_spins(void **state)
+{
+    (void)state;
+    struct fixture_options options = {.dimension = 3,
+                                      .count = 2,
+                                      .material = "kn_n_per_m = 1e3; mu_s = 0.5; kt_n_per_m = 1e2;",
+                                      .dt_s = 1e-6};
+    struct fixture f = fixture_open(&options);
+    f.world->particles.omega[2][1] = 7;
+    f.world->particles.v[2][1] = 0.5;
+    char *text = text_of(write_lammps_data, f.world);
+    assert_non_null(strstr(text, "\n2 0 0 0.5 0 0 7\n"));
+    free(text);
+    fixture_close(&f);
+}
+
+static struct peer_input two_dimensions(enum peer peer, enum peer_law law)
+{
+    return (struct peer_input){.peer = peer,
+                               .law = law,
+                               .dimension = 2,
+                               .data = "the.data",
+                               .kn = 1000,
+                               .gamma_n = 0.5,
+                               .k2 = 4000,
+                               .kc = 2000,
+                               .restitution = 0.5,
+                               .reduced_mass = 0.25,
+                               .gamma_b = 0.125,
+                               .hi = {1, 2},
+                               .dt_s = 0.5,
+                               .skin_m = 0.25,
+                               .delay = 3,
+                               .steps = 40};
+}
+
+static struct peer_input three_dimensions(enum peer peer, enum peer_law law)
+{
+    struct peer_input input = two_dimensions(peer, law);
+    input.dimension = 3;
+    input.frictional = true;
+    input.hi[2] = 4;
+    input.kt = 200;
+    input.gamma_t = 0.125;
+    input.mu = 0.5;
+    return input;
+}
+
+static void assert_says(const struct peer_input *input, const char *const *lines)
+{
+    char *text = text_of(write_script, input);
+    for (; *lines; lines++)
+        if (!strstr(text, *lines))
+            fail_msg("no \"%s\" in:\n%s", *lines, text);
+    free(text);
+}
+
+/* gran/hooke: damping gamma_n/m_12, at walls, where the reduced mass is the particle's, 2 m_12, half of that. */
+static void lammps_is_told_the_scene(void **state)
+{
+    (void)state;
+    struct peer_input input = two_dimensions(PEER_LAMMPS, PEER_HOOKE);
+    assert_says(&input, (const char *const[]){"dimension 2\nboundary f f p\n", "read_data the.data\n",
+                                              "pair_style gran/hooke 1000 0 2 0 0 0\npair_coeff * *\n",
+                                              "neighbor 0.25 bin\nneigh_modify every 1 delay 3 check yes\n",
+                                              "fix wallx all wall/gran hooke 1000 0 1 0 0 0 xplane 0 1\n",
+                                              "yplane 0 2\n", "fix motion all nve\n", "viscous 0.125\n",
+                                              "timestep 0.5\n", "run 40\n", NULL});
+    input = three_dimensions(PEER_LAMMPS, PEER_HOOKE);
+    assert_says(&input, (const char *const[]){"dimension 3\nboundary f f f\n",
+                                              "gran/hooke/history 1000 200 2 0.5 0.5 1\n", "zplane 0 4\n",
+                                              "fix motion all nve/sphere\n", NULL});
+    input = three_dimensions(PEER_LAMMPS, PEER_GRANULAR);
+    assert_says(&input, (const char *const[]){"hooke 1000 0.5 tangential linear_history 200 0.25 0.5 damping velocity",
+                                              "wall/gran granular hooke 1000 0.5 damping velocity", NULL});
+    input.walls_move = true;
+    assert_says(&input, (const char *const[]){"region wall5 plane 0 0 4 0 0 -1 side in move NULL NULL v_path5",
+                                              "fix wall5 all wall/gran/region", NULL});
+}
+
+static void liggghts_is_told_the_scene(void **state)
+{
+    (void)state;
+    struct peer_input input = three_dimensions(PEER_LIGGGHTS, PEER_STIFFNESS);
+    assert_says(&input, (const char *const[]){"kn peratomtypepair 1 1000\n", "kt peratomtypepair 1 200\n",
+                                              "gamman_abs peratomtypepair 1 0.5\n",
+                                              "gammat_abs peratomtypepair 1 0.125\n",
+                                              "coefficientFriction peratomtypepair 1 0.5\n",
+                                              "model hooke/stiffness tangential history absolute_damping on\n",
+                                              "primitive type 1 zplane 4 absolute_damping on\n", NULL});
+    input = two_dimensions(PEER_LIGGGHTS, PEER_LUDING);
+    assert_says(&input, (const char *const[]){"boundary f f f\n", "LoadingStiffness peratomtypepair 1 1000\n",
+                                              "UnloadingStiffness peratomtypepair 1 4\n",
+                                              "coefficientAdhesionStiffness peratomtypepair 1 2\n",
+                                              "coefficientRestitution peratomtypepair 1 0.5\n",
+                                              "coefficientFriction peratomtypepair 1 0\n",
+                                              "model luding tangential no_history", "yplane 2 \n", NULL});
+    input.dump = "the.dump";
+    assert_says(&input, (const char *const[]){"custom 1000000000 the.dump id x y z fx fy fz\n",
+                                              "dump_modify state first no every 40\n", NULL});
+}
+
+static const char LAMMPS_LOG[] =
+    "LAMMPS (29 Sep 2021 - Update 2)\nSetting up Verlet run ...\nStep Temp E_pair E_mol TotEng Press \n"
+    "       0            0            0            0            0            0 \n"
+    "Loop time of 3.0 on 1 procs for 50 steps with 1950 atoms\n\n43.6% CPU use with 1 MPI tasks x 1 OpenMP threads\n"
+    "Loop time of 0.5 on 1 procs for 4000 steps with 1950 atoms\n\nTotal # of neighbors = 4325\n";
+static const char LIGGGHTS_LOG[] = "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0)\n    Step    Atoms         KinEng\n"
+                                   "Loop time of 0.25 on 1 procs for 1000 steps with 1950 atoms, finish time Sun\n";
+static const char OUR_LOG[] = "sim: 40000 steps, 0.400 s, 10.00 us per step, 25 list builds, 4700 candidates, hash 0\n";
+
+static void time_of_the_last_loop(void **state)
+{
+    (void)state;
+    double us = 0;
+    must(peers_read_loop(LAMMPS_LOG, &us));
+    assert_close("LAMMPS [us]", us, 125, 1e-10);
+    must(peers_read_loop(LIGGGHTS_LOG, &us));
+    assert_close("LIGGGHTS [us]", us, 250, 1e-10);
+    must(peers_read_loop(OUR_LOG, &us));
+    assert_close("ours [us]", us, 10, 1e-11);
+}
+
+static void logs_without_a_time_are_refused(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"",
+                                      "ERROR: Loop time of 1 on 1 procs for 10 steps\n",
+                                      "Loop time of 1e-6 on 1 procs for 0 steps with 2 atoms\n",
+                                      "Loop time of 1 on 2 procs for 100 steps with 2 atoms\n",
+                                      "Loop time of x on 1 procs for 100 steps with 2 atoms\n",
+                                      "sim: error: broken\n"};
+    double us;
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
+        assert_int_equal(peers_read_loop(bad[k], &us), STATUS_FORMAT);
+}
+
+#define DUMP_HEAD(step)                                                                                                \
+    "ITEM: TIMESTEP\n" step "\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n-1 1\n"                  \
+    "ITEM: ATOMS id x y z fx fy fz \n"
+
+static void dump_gives_the_last_state(void **state)
+{
+    (void)state;
+    double x[6], f[6];
+    must(peers_read_dump(DUMP_HEAD("0") "1 9 9 9 9 9 9 \n2 9 9 9 9 9 9 \n" DUMP_HEAD("5")
+                         "1 0.5 0.25 0 -1.0033424329307579 0 1 \n2 0.75 1 2 3 4 5 \n",
+                         2, x, f));
+    assert_true(x[0] == 0.5 && x[1] == 0.25 && x[2] == 0 && x[3] == 0.75 && x[5] == 2);
+    assert_true(f[0] == -1.0033424329307579 && f[2] == 1 && f[3] == 3 && f[5] == 5);
+}
+
+static void broken_dumps_are_refused(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"", "ITEM: ATOMS id x y z\n1 0 0 0\n2 0 0 0\n",
+                                      DUMP_HEAD("0") "1 0 0 0 0 0 0\n",                     /* cut */
+                                      DUMP_HEAD("0") "2 0 0 0 0 0 0\n1 0 0 0 0 0 0\n",      /* not sorted */
+                                      DUMP_HEAD("0") "1 0 0 0 nan 0 0\n2 0 0 0 0 0 0\n"};
+    double x[6], f[6];
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
+        assert_int_equal(peers_read_dump(bad[k], 2, x, f), STATUS_FORMAT);
+}
+
+/* Differences of length 5 and 0: largest 5, rms 5/sqrt(2). */
+static void difference_of_states(void **state)
+{
+    (void)state;
+    const double a[6] = {0, 0, 0, 1, 1, 1}, b[6] = {3, 0, -4, 1, 1, 1};
+    struct peers_difference d = peers_compare(a, b, 2);
+    assert_close("largest", d.largest, 5, 1e-15);
+    assert_close("rms", d.rms, 5 / sqrt(2), 1e-15);
+}
+
+/* The last stage, written and read again, starts from the checkpoint and is what it was. */
+static void last_stage_alone(void **state)
+{
+    (void)state;
+    struct scene *scene = fixture_scene_of(
+        "dimension = 2; sample = { count = 4; radius_min_m = 1e-3; radius_max_m = 1e-3; density_kg_per_m3 = 2e3; };\n"
+        "material = { kn_n_per_m = 1e3; }; analysis = { stage = \"b\"; };\n"
+        "stages = ( { name = \"a\"; dt_s = 1e-6; duration_s = 1.0; },\n"
+        "           { name = \"b\"; dt_s = 2e-6; duration_s = 3.0; material = { kn_n_per_m = 2e3; }; } );\n");
+    char path[] = "/tmp/shakedown-stage-XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    prepare_stage(scene, 1, path);
+    must(prepare_scene_file(scene, path));
+    struct scene *again = calloc(1, sizeof *again);
+    assert_non_null(again);
+    must(scene_load(again, path, NULL, 0));
+    assert_int_equal(again->n_stages, 1);
+    assert_string_equal(again->stage[0].name, "b");
+    assert_true(again->stage[0].dt_s == 2e-6 && again->stage[0].material.kn_n_per_m == 2e3);
+    assert_int_equal(again->sample.initial, INITIAL_CHECKPOINT);
+    assert_string_equal(again->sample.checkpoint, path);
+    fixture_scene_free(again);
+    fixture_scene_free(scene);
+    assert_int_equal(remove(path), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(packing_is_what_we_have),
+        cmocka_unit_test(packing_in_three_dimensions_spins),
+        cmocka_unit_test(lammps_is_told_the_scene),
+        cmocka_unit_test(liggghts_is_told_the_scene),
+        cmocka_unit_test(time_of_the_last_loop),
+        cmocka_unit_test(logs_without_a_time_are_refused),
+        cmocka_unit_test(dump_gives_the_last_state),
+        cmocka_unit_test(broken_dumps_are_refused),
+        cmocka_unit_test(difference_of_states),
+        cmocka_unit_test(last_stage_alone),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
