@@ -22,7 +22,7 @@ expect() { # CODE TEXT COMMAND...
 
 expect 1 'not installed: lammps liggghts' env PATH="$empty" bash "$script"
 expect 1 'bench peers --install' env PATH="$empty" bash "$script" --reps 1
-ln -s "$(command -v true)" "$empty/lmp"
+ln -s "$(type -P true)" "$empty/lmp"
 expect 1 'not installed: liggghts' env PATH="$empty" bash "$script"
 expect 2 'unknown option --nonsense' bash "$script" --nonsense
 expect 2 'needs a value' bash "$script" --scene
