@@ -1,0 +1,287 @@
+/* bench_scaling [--dimension 2|3] [--counts N,N,...] [--threads T,T,...] [--ordered] [--json FILE]: cost of a
+ * particle-step against the number of particles, dense packings with the radii and materials of scenes A (2D) and B
+ * (3D). A packing is a jittered lattice at the solid fraction that gives the scene's number of contacts, relaxed for a
+ * few hundred steps under strong damping. Particles get their places at random, as after long mixing; --ordered keeps
+ * them in rows. Times are the least of several blocks. */
+#include <inttypes.h>
+#include <jansson.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/bus.h"
+#include "common/command_line.h"
+#include "common/floating_point.h"
+#include "sim/measure.h"
+#include "sim/random.h"
+#include "sim/world.h"
+
+enum { BLOCKS = 5, RELAX_STEPS = 600, LIST_MAX = 32 };
+static const double BLOCK_S = 0.12;
+
+struct kind {
+    int dimension;
+    double solid_fraction, jitter; /* of the spacing */
+    const char *text;              /* of the scene behind count and seed */
+};
+
+static const struct kind kinds[] = {
+    {2, 0.885, 0.1,
+     "dimension = 2;\nsample = { count = %d; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; density_kg_per_m3 = 2000.0; };\n"
+     "material = { law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; gamma_n_kg_per_s = 0.1; };\n"
+     "stages = ( { name = \"relax\"; dt_s = 1e-6; duration_s = 1.0; material = { gamma_b_kg_per_s = 0.5; }; },\n"
+     "  { name = \"test\"; dt_s = 5e-7; duration_s = 1.0; material = { gamma_b_kg_per_s = 0.01; }; } );\n"},
+    {3, 0.645, 0.1,
+     "dimension = 3;\nsample = { count = %d; radius_distribution = \"gaussian\"; radius_mean_m = 5e-3;\n"
+     "  radius_sd_m = 0.7e-3; radius_min_m = 3e-3; radius_max_m = 7e-3; density_kg_per_m3 = 2000.0; };\n"
+     "material = { kn_n_per_m = 5000.0; gamma_n_kg_per_s = 0.05; mu_s = 0.1; kt_n_per_m = 1000.0;\n"
+     "  gamma_t_kg_per_s = 0.01; gamma_br_kg_per_s = 0.05; };\n"
+     "stages = ( { name = \"relax\"; dt_s = 2e-5; duration_s = 10.0; material = { mu_s = 0.0; gamma_b_kg_per_s = 5.0; }; },\n"
+     "  { name = \"test\"; dt_s = 2e-5; duration_s = 10.0; material = { gamma_b_kg_per_s = 0.2; }; } );\n"}};
+
+struct row {
+    int count, contacts, candidates, threads;
+    double setup_s, step_us, pair_us, walls_us, drift_us, kick_us, build_us, sum_us;
+};
+
+/* The particle that gets each place: at random, or in order. */
+static enum status draw_places(int count, bool ordered, int **place)
+{
+    struct random random;
+    random_init(&random, 7);
+    *place = malloc((size_t)count * sizeof **place);
+    if (!*place)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    for (int k = 0; k < count; k++)
+        (*place)[k] = k;
+    for (int k = count - 1; !ordered && k > 0; k--) {
+        int m = (int)(random_uniform(&random) * (k + 1)), swap = (*place)[k];
+        (*place)[k] = (*place)[m];
+        (*place)[m] = swap;
+    }
+    return STATUS_OK;
+}
+
+/* Shrinks the scene's lattice with its walls to the wanted solid fraction, and jitters it. */
+static enum status pack(struct world *world, const struct kind *kind, bool ordered)
+{
+    struct particles *p = &world->particles;
+    struct random random;
+    int *place;
+    double volume = 1, *copy = malloc((size_t)p->count * sizeof *copy);
+    random_init(&random, 1);
+    TRY(draw_places(p->count, ordered, &place));
+    if (!copy) {
+        free(place);
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    }
+    for (int c = 0; c < p->dimension; c++)
+        volume *= world_box_length_m(world, c);
+    double shrink = pow(particles_solid_volume(p) / kind->solid_fraction / volume, 1.0 / p->dimension);
+    double spacing = shrink * 2.02 * world->scene->sample.radius_max_m;
+    for (int c = 0; c < p->dimension; c++) {
+        memcpy(copy, p->x[c], (size_t)p->count * sizeof *copy);
+        for (int i = 0; i < p->count; i++)
+            p->x[c][i] = shrink * copy[place[i]] + kind->jitter * spacing * (2 * random_uniform(&random) - 1);
+        world->walls[2 * c].x *= shrink;
+        world->walls[2 * c + 1].x *= shrink;
+    }
+    free(copy);
+    free(place);
+    return neighbor_build(&world->neighbor, p, &world->pairs, world->walls, world->n_walls);
+}
+
+/* Starts a stage with the walls at rest where they are. */
+static enum status begin(struct world *world, int stage)
+{
+    struct wall_command command = {
+        .stage = stage, .step = world->step, .n_steps = INT_MAX, .n_walls = world->n_walls};
+    for (int w = 0; w < world->n_walls; w++)
+        command.position_m[w] = world->walls[w].x;
+    return world_command(world, &command);
+}
+
+static enum status steps(struct world *world, int n)
+{
+    for (int k = 0; k < n; k++)
+        TRY(world_step(world));
+    return STATUS_OK;
+}
+
+/* The parts, each as often as wanted at one state: no time passes (dt = 0). */
+static enum status one_step(struct world *world)
+{
+    return world_step(world);
+}
+
+static enum status one_pair(struct world *world)
+{
+    struct contact_losses losses = {0};
+    world->law.dt = 0;
+    world->kernels.pair(&world->particles, &world->pairs, 0, world->pairs.n_sets, &world->law, world->particles.force,
+                        &losses);
+    return STATUS_OK;
+}
+
+static enum status one_walls(struct world *world)
+{
+    struct contact_losses losses = {0};
+    world->law.dt = 0;
+    for (int w = 0; w < world->n_walls; w++)
+        world->kernels.wall(&world->particles, &world->walls[w], &world->law, &losses);
+    return STATUS_OK;
+}
+
+static enum status one_drift(struct world *world)
+{
+    (void)world->kernels.drift(&world->particles, 0, INFINITY);
+    return STATUS_OK;
+}
+
+static enum status one_kick(struct world *world)
+{
+    struct kick_constants constants = {0};
+    (void)world->kernels.kick(&world->particles, &constants);
+    return STATUS_OK;
+}
+
+static enum status one_build(struct world *world)
+{
+    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls);
+}
+
+/* Microseconds of one call: the least of the blocks. */
+static enum status time_it(struct world *world, enum status (*part)(struct world *), double *least_us)
+{
+    *least_us = INFINITY;
+    for (int b = 0; b < BLOCKS; b++) {
+        int done = 0;
+        double start = clock_now_s(), now = start;
+        for (; now - start < BLOCK_S; now = clock_now_s(), done++)
+            TRY(part(world));
+        *least_us = fmin(*least_us, 1e6 * (now - start) / done);
+    }
+    return STATUS_OK;
+}
+
+static enum status time_parts(struct world *world, struct row *row)
+{
+    TRY(time_it(world, one_step, &row->step_us));
+    TRY(time_it(world, one_pair, &row->pair_us));
+    TRY(time_it(world, one_walls, &row->walls_us));
+    TRY(time_it(world, one_drift, &row->drift_us));
+    TRY(time_it(world, one_kick, &row->kick_us));
+    return time_it(world, one_build, &row->build_us);
+}
+
+static enum status measure_world(struct world *world, const struct kind *kind, bool ordered, struct row *row)
+{
+    double start = clock_now_s();
+    TRY(pack(world, kind, ordered));
+    TRY(begin(world, 0));
+    row->setup_s = clock_now_s() - start;
+    TRY(steps(world, RELAX_STEPS));
+    TRY(begin(world, 1));
+    TRY(steps(world, 20));
+    row->contacts = measure_contacts(world, NULL);
+    row->candidates = world->pairs.count;
+    return time_parts(world, row);
+}
+
+static enum status measure_row(const struct kind *kind, int count, bool ordered, struct row *row)
+{
+    char text[2048];
+    struct world *world = NULL;
+    struct scene *scene = calloc(1, sizeof *scene);
+    if (!scene)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    snprintf(text, sizeof text, kind->text, count);
+    double start = clock_now_s();
+    enum status status = scene_parse(scene, text, "scaling");
+    if (status == STATUS_OK)
+        status = world_create(&world, scene);
+    double created_s = clock_now_s() - start;
+    if (status == STATUS_OK)
+        status = measure_world(world, kind, ordered, row);
+    row->setup_s += created_s;
+    world_free(world);
+    scene_free(scene);
+    free(scene);
+    return status;
+}
+
+static json_t *report_row(const struct kind *kind, const struct row *row)
+{
+    double n = row->count, parts = row->pair_us + row->walls_us + row->drift_us + row->kick_us;
+    printf("%dD %8d %2d %6.2f %6.2f %7.2f %11.1f %9.2f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f\n", kind->dimension, row->count,
+           row->threads, row->contacts / n, row->candidates / n, row->setup_s, row->step_us, 1e3 * row->step_us / n,
+           100 * row->pair_us / parts, 100 * row->walls_us / parts, 100 * row->drift_us / parts,
+           100 * row->kick_us / parts, 1e3 * row->build_us / n, row->build_us / row->step_us);
+    fflush(stdout);
+    return json_pack("{s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "dimension", kind->dimension,
+                     "particles", row->count, "threads", row->threads, "contacts", row->contacts, "candidates",
+                     row->candidates, "setup_s", row->setup_s, "step_us", row->step_us, "pair_us", row->pair_us,
+                     "walls_us", row->walls_us, "drift_us", row->drift_us, "kick_us", row->kick_us, "build_us",
+                     row->build_us);
+}
+
+/* "a,b,..." into list; returns how many. */
+static int parse_list(const char *text, int *list)
+{
+    int n = 0;
+    for (char *end; *text && n < LIST_MAX; text = *end ? end + 1 : end) {
+        list[n++] = (int)strtod(text, &end);
+        if (end == text)
+            return 0;
+    }
+    return n;
+}
+
+struct options {
+    const char *dimension, *counts, *threads, *json;
+    bool ordered;
+};
+
+static enum status bench_scaling(const struct options *options, json_t *rows)
+{
+    int count[LIST_MAX], threads[LIST_MAX];
+    const int n_counts = parse_list(options->counts, count), n_threads = parse_list(options->threads, threads);
+    if (n_counts == 0 || n_threads == 0)
+        return status_fail(STATUS_USAGE, "usage: bench_scaling [--dimension 2|3] [--counts N,N,...] [--threads T,...] "
+                                         "[--ordered] [--json FILE]");
+    printf("          N  T  contacts candid.  setup  us per step  ns per N  %% pair walls drift kick  build ns/N  in steps\n");
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+        for (int n = 0; n < n_counts; n++)
+            for (int t = 0; t < n_threads; t++) {
+                struct row row = {.count = count[n], .threads = threads[t]};
+                if (options->dimension && atoi(options->dimension) != kinds[k].dimension)
+                    continue;
+                TRY(measure_row(&kinds[k], count[n], options->ordered, &row));
+                json_array_append_new(rows, report_row(&kinds[k], &row));
+            }
+    return STATUS_OK;
+}
+
+int main(int argc, char **argv)
+{
+    struct options options = {.counts = "1e3,3375,1e4,2e4,1e5,3e5,1e6", .threads = "1"};
+    const struct command_line_option own[] = {{"dimension", &options.dimension, NULL},
+                                              {"counts", &options.counts, NULL},
+                                              {"threads", &options.threads, NULL},
+                                              {"json", &options.json, NULL},
+                                              {"ordered", NULL, &options.ordered},
+                                              {NULL, NULL, NULL}};
+    struct command_line line;
+    floating_point_flush_subnormals();
+    json_t *rows = json_array();
+    enum status status = command_line_parse(&line, argc, argv, own);
+    if (status == STATUS_OK)
+        status = bench_scaling(&options, rows);
+    json_t *all = json_pack("{s:o}", "rows", rows);
+    if (status == STATUS_OK && options.json && json_dump_file(all, options.json, JSON_INDENT(1)) != 0)
+        status = status_fail(STATUS_IO, "%s: cannot be written", options.json);
+    json_decref(all);
+    return status_report("bench_scaling", status);
+}
