@@ -28,8 +28,9 @@ struct kind {
 };
 
 static const struct kind kinds[] = {
-    {2, 0.885, 0.1,
-     "dimension = 2;\nsample = { count = %d; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; density_kg_per_m3 = 2000.0; };\n"
+    {2, 0.90, 0.1,
+     "dimension = 2;\nsample = { count = %d; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; density_kg_per_m3 = 2000.0; "
+     "};\n"
      "material = { law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; gamma_n_kg_per_s = 0.1; };\n"
      "stages = ( { name = \"relax\"; dt_s = 1e-6; duration_s = 1.0; material = { gamma_b_kg_per_s = 0.5; }; },\n"
      "  { name = \"test\"; dt_s = 5e-7; duration_s = 1.0; material = { gamma_b_kg_per_s = 0.01; }; } );\n"},
@@ -38,7 +39,8 @@ static const struct kind kinds[] = {
      "  radius_sd_m = 0.7e-3; radius_min_m = 3e-3; radius_max_m = 7e-3; density_kg_per_m3 = 2000.0; };\n"
      "material = { kn_n_per_m = 5000.0; gamma_n_kg_per_s = 0.05; mu_s = 0.1; kt_n_per_m = 1000.0;\n"
      "  gamma_t_kg_per_s = 0.01; gamma_br_kg_per_s = 0.05; };\n"
-     "stages = ( { name = \"relax\"; dt_s = 2e-5; duration_s = 10.0; material = { mu_s = 0.0; gamma_b_kg_per_s = 5.0; }; },\n"
+     "stages = ( { name = \"relax\"; dt_s = 2e-5; duration_s = 10.0; material = { mu_s = 0.0; gamma_b_kg_per_s = 5.0; "
+     "}; },\n"
      "  { name = \"test\"; dt_s = 2e-5; duration_s = 10.0; material = { gamma_b_kg_per_s = 0.2; }; } );\n"}};
 
 struct row {
@@ -96,8 +98,7 @@ static enum status pack(struct world *world, const struct kind *kind, bool order
 /* Starts a stage with the walls at rest where they are. */
 static enum status begin(struct world *world, int stage)
 {
-    struct wall_command command = {
-        .stage = stage, .step = world->step, .n_steps = INT_MAX, .n_walls = world->n_walls};
+    struct wall_command command = {.stage = stage, .step = world->step, .n_steps = INT_MAX, .n_walls = world->n_walls};
     for (int w = 0; w < world->n_walls; w++)
         command.position_m[w] = world->walls[w].x;
     return world_command(world, &command);
@@ -215,9 +216,9 @@ static enum status measure_row(const struct kind *kind, int count, bool ordered,
 static json_t *report_row(const struct kind *kind, const struct row *row)
 {
     double n = row->count, parts = row->pair_us + row->walls_us + row->drift_us + row->kick_us;
-    printf("%dD %8d %2d %6.2f %6.2f %7.2f %11.1f %9.2f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f\n", kind->dimension, row->count,
-           row->threads, row->contacts / n, row->candidates / n, row->setup_s, row->step_us, 1e3 * row->step_us / n,
-           100 * row->pair_us / parts, 100 * row->walls_us / parts, 100 * row->drift_us / parts,
+    printf("%dD %8d %2d %6.2f %6.2f %7.2f %11.1f %9.2f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f\n", kind->dimension,
+           row->count, row->threads, row->contacts / n, row->candidates / n, row->setup_s, row->step_us,
+           1e3 * row->step_us / n, 100 * row->pair_us / parts, 100 * row->walls_us / parts, 100 * row->drift_us / parts,
            100 * row->kick_us / parts, 1e3 * row->build_us / n, row->build_us / row->step_us);
     fflush(stdout);
     return json_pack("{s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "dimension", kind->dimension,
@@ -251,7 +252,8 @@ static enum status bench_scaling(const struct options *options, json_t *rows)
     if (n_counts == 0 || n_threads == 0)
         return status_fail(STATUS_USAGE, "usage: bench_scaling [--dimension 2|3] [--counts N,N,...] [--threads T,...] "
                                          "[--ordered] [--json FILE]");
-    printf("          N  T  contacts candid.  setup  us per step  ns per N  %% pair walls drift kick  build ns/N  in steps\n");
+    printf("          N  T  contacts candid.  setup  us per step  ns per N  %% pair walls drift kick  build ns/N  in "
+           "steps\n");
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
         for (int n = 0; n < n_counts; n++)
             for (int t = 0; t < n_threads; t++) {
@@ -267,12 +269,10 @@ static enum status bench_scaling(const struct options *options, json_t *rows)
 int main(int argc, char **argv)
 {
     struct options options = {.counts = "1e3,3375,1e4,2e4,1e5,3e5,1e6", .threads = "1"};
-    const struct command_line_option own[] = {{"dimension", &options.dimension, NULL},
-                                              {"counts", &options.counts, NULL},
-                                              {"threads", &options.threads, NULL},
-                                              {"json", &options.json, NULL},
-                                              {"ordered", NULL, &options.ordered},
-                                              {NULL, NULL, NULL}};
+    const struct command_line_option own[] = {
+        {"dimension", &options.dimension, NULL}, {"counts", &options.counts, NULL},
+        {"threads", &options.threads, NULL},     {"json", &options.json, NULL},
+        {"ordered", NULL, &options.ordered},     {NULL, NULL, NULL}};
     struct command_line line;
     floating_point_flush_subnormals();
     json_t *rows = json_array();

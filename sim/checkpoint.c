@@ -7,6 +7,7 @@
 #include "sim/checkpoint_file.h"
 #include "sim/config_difference.h"
 #include "sim/records.h"
+#include "sim/renumber.h"
 
 /* What an entry of the table is a member of. */
 enum owner { OF_PROGRESS, OF_WORLD, OF_PARTICLES, OF_WALL, OF_LIST };
@@ -82,6 +83,7 @@ static const struct entry table[] = {
     WORLD(ledger.contacts.viscous_tangential, F64, 1),
     WORLD(ledger.contacts.friction, F64, 1),
     WORLD(neighbor.rebuilds, I64, 1),
+    {"id", OF_PARTICLES, I32, offsetof(struct particles, id), ONE_ARRAY, 0},
     PARTICLES(x, PER_AXIS),
     PARTICLES(v, PER_AXIS),
     PARTICLES(a, PER_AXIS),
@@ -318,6 +320,7 @@ static enum status get_items(hid_t file, struct world *world, struct run_progres
     }
     free(items);
     TRY(status);
+    TRY(renumber_set_slots(&world->particles));
     TRY(lists_check(world));
     for (int l = 0; l <= world->n_walls; l++)
         TRY(contact_list_close(list_of(world, l), &world->particles));
@@ -464,6 +467,8 @@ static void take_particles(struct particles *to, const struct particles *from)
     }
     memcpy(to->radius, from->radius, size);
     memcpy(to->mass, from->mass, size);
+    memcpy(to->id, from->id, (size_t)to->count * sizeof *to->id);
+    memcpy(to->slot, from->slot, (size_t)to->count * sizeof *to->slot);
     particles_set_inverse(to);
 }
 

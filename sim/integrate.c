@@ -9,6 +9,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "sim/renumber.h"
+
 static void forces(struct world *world, double dt)
 {
     struct contact_losses lost = {0};
@@ -82,6 +84,16 @@ static enum status renew_lists(struct world *world)
     return neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls);
 }
 
+/* Puts the particles into a new order when it is due. The state is complete: nothing of the step has been done. */
+static enum status renew_order(struct world *world)
+{
+    const int64_t every = world->neighbor.renumber_steps;
+    if (every == 0 || world->step % every != 0)
+        return STATUS_OK;
+    TRY(renumber(&world->particles, &world->pairs, world->walls, world->n_walls));
+    return renew_lists(world);
+}
+
 enum status world_step(struct world *world)
 {
     double force_before[SCENE_WALLS_MAX], x_before[SCENE_WALLS_MAX];
@@ -89,6 +101,7 @@ enum status world_step(struct world *world)
         force_before[w] = world->walls[w].force;
         x_before[w] = world->walls[w].x;
     }
+    TRY(renew_order(world));
     world->step++;
     world->stage_step++;
     world->time_s = world->stage_time_start_s + (double)world->stage_step * world->dt;

@@ -330,21 +330,41 @@ static void fill_contact(const struct world *world, int l, int k, const struct g
     const struct contact_list *list = list_of(world, l);
     const int dim = world->particles.dimension;
     struct contact_forces f = contact_forces(world, l, k, g);
-    *out = (struct contact_measurement){.i = list->i[k],
-                                        .j = l == 0 ? list->j[k] : -l,
+    const int32_t *id = world->particles.id;
+    const int i = id[list->i[k]], j = l == 0 ? id[list->j[k]] : -l;
+    const double sign = l == 0 && i > j ? -1 : 1; /* after renumbering they may stand the other way round */
+    *out = (struct contact_measurement){.i = sign > 0 ? i : j,
+                                        .j = sign > 0 ? j : i,
                                         .overlap_m = g->overlap,
                                         .normal_force_n = f.normal,
                                         .sliding = list->n_springs && list->sliding[k] > 0};
     for (int c = 0; c < dim; c++) {
-        out->normal[c] = g->n[c];
-        out->tangential_force_n[c] = f.tangential[c];
+        out->normal[c] = sign * g->n[c];
+        out->tangential_force_n[c] = sign * f.tangential[c];
     }
+}
+
+static int by_ids(const void *a, const void *b)
+{
+    const struct contact_measurement *x = a, *y = b;
+    return x->i != y->i ? (x->i > y->i) - (x->i < y->i) : (x->j > y->j) - (x->j < y->j);
+}
+
+/* Contacts of one list by their ids; they are so already unless particles were renumbered. */
+static void sort_contacts(struct contact_measurement *contacts, int n)
+{
+    for (int k = 1; k < n; k++)
+        if (by_ids(&contacts[k - 1], &contacts[k]) > 0) {
+            qsort(contacts, (size_t)n, sizeof *contacts, by_ids);
+            return;
+        }
 }
 
 int measure_contacts(const struct world *world, struct contact_measurement *out)
 {
     int n = 0;
-    for (int l = 0; l <= world->n_walls; l++)
+    for (int l = 0; l <= world->n_walls; l++) {
+        const int first = n;
         for (int k = 0; k < list_of(world, l)->count; k++) {
             struct geometry g = geometry_of(world, l, k);
             if (!(g.overlap > 0))
@@ -353,5 +373,8 @@ int measure_contacts(const struct world *world, struct contact_measurement *out)
                 fill_contact(world, l, k, &g, &out[n]);
             n++;
         }
+        if (out)
+            sort_contacts(out + first, n - first);
+    }
     return n;
 }

@@ -42,7 +42,7 @@ struct contact_measurement {
 };
 
 /* Fills `out` with the contacts (overlap > 0) and returns their number; NULL only counts. Pairs first, by (i, j), then
- * walls, by wall. */
+ * walls, by wall; i and j are ids, i < j. */
 int measure_contacts(const struct world *world, struct contact_measurement *out);
 
 #endif

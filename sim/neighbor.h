@@ -14,6 +14,7 @@
 struct neighbor {
     double skin; /* m */
     int64_t rebuilds;
+    int64_t renumber_steps; /* particles are renumbered at multiples of this; 0: never */
     struct search search;
     struct cells cells;
     struct search_block block;

@@ -28,6 +28,10 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
     p->count = count;
     p->dimension = dimension;
     p->n_rotations = !rotations ? 0 : dimension == 2 ? 1 : 3;
+    TRY(array_resize(&p->id, sizeof *p->id, (size_t)count, 0));
+    TRY(array_resize(&p->slot, sizeof *p->slot, (size_t)count, 0));
+    for (int i = 0; i < count; i++)
+        p->id[i] = p->slot[i] = i;
     TRY(components_resize(p->x, dimension, count));
     TRY(components_resize(p->v, dimension, count));
     TRY(components_resize(p->a, dimension, count));
@@ -68,6 +72,8 @@ void particles_free(struct particles *p)
         free(p->alpha[c]);
         free(p->x_list[c]);
     }
+    free(p->id);
+    free(p->slot);
     free(p->record);
     free(p->force);
     free(p->radius);

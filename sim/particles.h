@@ -13,7 +13,9 @@ struct particles {
     int count;
     int dimension;    /* components of x, v, a, force */
     int n_rotations;  /* components of omega: 0 without friction, 1 in 2D (about x cross z), 3 in 3D */
-    double *x[3];     /* [count] m */
+    int32_t *id;      /* [count] name of the particle in each slot; all else here is by slot (renumber.h) */
+    int32_t *slot;    /* [count] and the slot of each id */
+    double *x[3];     /* [count] m; what is state goes into renumber.c too */
     double *v[3];     /* m/s; between drift and kick the predicted velocity */
     double *a[3];     /* m/s^2, of the last complete step */
     double *omega[3]; /* rad/s; predicted like v */

@@ -12,9 +12,10 @@
 #include "shakedown_run_info_t.h"
 #include "shakedown_sample_t.h"
 #include "sim/measure.h"
+#include "sim/renumber.h"
 
 /* Chunks stay below this, headers included: one message is at most BUS_MESSAGE_MAX. */
-enum { CHUNK_BYTES = 55000 };
+enum { CHUNK_BYTES = 55000, PARTICLES_PER_CHUNK = CHUNK_BYTES / (2 * (int)sizeof(double)) };
 
 /* Encodes `message` of type shakedown_<type> with the next seq of the channel and hands it to the stream. */
 #define SEND(records, world, channel, type, message)                                                                   \
@@ -72,13 +73,16 @@ static enum status send_run_info(struct records *records, const struct world *wo
 static enum status send_particles_chunk(struct records *records, const struct world *world, int chunk, int n_chunks,
                                         int first, int count)
 {
+    static double radius[PARTICLES_PER_CHUNK], mass[PARTICLES_PER_CHUNK];
+    renumber_gather(&world->particles, world->particles.radius, first, count, radius);
+    renumber_gather(&world->particles, world->particles.mass, first, count, mass);
     shakedown_particles_t message = {
         .chunk = chunk,
         .n_chunks = n_chunks,
         .first = first,
         .count = count,
-        .radius_m = world->particles.radius + first,
-        .mass_kg = world->particles.mass + first,
+        .radius_m = radius,
+        .mass_kg = mass,
     };
     SEND(records, world, RECORD_PARTICLES, particles_t, &message);
 }
@@ -106,7 +110,7 @@ enum status records_send_start(struct records *records, const struct world *worl
     if (fclose(out) == 0)
         status = send_run_info(records, world, resumed, effective);
     free(effective);
-    const int per_chunk = CHUNK_BYTES / (2 * (int)sizeof(double)), count = world->particles.count;
+    const int per_chunk = PARTICLES_PER_CHUNK, count = world->particles.count;
     const int n_chunks = chunks_of(count, per_chunk);
     for (int k = 0; status == STATUS_OK && k < n_chunks; k++)
         status =
@@ -188,12 +192,12 @@ enum status records_send_sample(struct records *records, const struct world *wor
     return send_sample(records, world, &m, interface_residual_j);
 }
 
-/* Row-major copy of components [first, first + count) with `out_dim` per particle. */
-static void interleave(double *const *component, int n, int first, int count, double *out)
+/* Row-major copy of the `n` components of particles [first, first + count), in the order of ids. */
+static void interleave(const struct particles *p, double *const *component, int n, int first, int count, double *out)
 {
     for (int i = 0; i < count; i++)
         for (int c = 0; c < n; c++)
-            out[i * n + c] = component[c][first + i];
+            out[i * n + c] = component[c][p->slot[first + i]];
 }
 
 struct chunk {
@@ -207,9 +211,9 @@ static enum status send_frame_particles(struct records *records, const struct wo
     const int dim = p->dimension;
     double lo[3], hi[3];
     double *v = scratch + chunk->count * dim, *omega = v + chunk->count * dim;
-    interleave(p->x, dim, chunk->first, chunk->count, scratch);
-    interleave(p->v, dim, chunk->first, chunk->count, v);
-    interleave(p->omega, p->n_rotations, chunk->first, chunk->count, omega);
+    interleave(p, p->x, dim, chunk->first, chunk->count, scratch);
+    interleave(p, p->v, dim, chunk->first, chunk->count, v);
+    interleave(p, p->omega, p->n_rotations, chunk->first, chunk->count, omega);
     /* in 2D the particles turn about x cross z = -y: report about +y */
     for (int k = 0; dim == 2 && k < chunk->count * p->n_rotations; k++)
         omega[k] = -omega[k];

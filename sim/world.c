@@ -7,6 +7,7 @@
 #include "sim/checkpoint.h"
 #include "sim/integrate.h"
 #include "sim/measure.h"
+#include "sim/renumber.h"
 
 double world_box_length_m(const struct world *world, int c)
 {
@@ -79,7 +80,9 @@ static enum status create_and(struct world **world, const struct scene *scene, e
 enum status world_init_lists(struct world *world)
 {
     double skin = world->scene->neighbor.skin_ratio * mean_radius(&world->particles);
-    return neighbor_init(&world->neighbor, &world->particles, skin, world->pairs.hysteretic, world->isa);
+    TRY(neighbor_init(&world->neighbor, &world->particles, skin, world->pairs.hysteretic, world->isa));
+    world->neighbor.renumber_steps = renumber_interval(world->scene->neighbor.renumber_steps, world->particles.count);
+    return STATUS_OK;
 }
 
 static enum status fill_sample(struct world *world)
@@ -191,6 +194,7 @@ void world_wall_state(const struct world *world, struct wall_state *state)
     measure_wall_stiffness(world, state->stiffness_n_per_m, state->damping_kg_per_s);
 }
 
+/* FNV-1a */
 static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
 {
     const unsigned char *bytes = data;
@@ -199,17 +203,24 @@ static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
     return hash;
 }
 
+/* In the order of ids. */
+static uint64_t hash_values(uint64_t hash, const struct particles *p, const double *values)
+{
+    for (int i = 0; i < p->count; i++)
+        hash = hash_bytes(hash, &values[p->slot[i]], sizeof *values);
+    return hash;
+}
+
 uint64_t world_hash(const struct world *world)
 {
     const struct particles *p = &world->particles;
-    size_t size = (size_t)p->count * sizeof(double);
     uint64_t hash = 0xcbf29ce484222325u;
     for (int c = 0; c < p->dimension; c++) {
-        hash = hash_bytes(hash, p->x[c], size);
-        hash = hash_bytes(hash, p->v[c], size);
+        hash = hash_values(hash, p, p->x[c]);
+        hash = hash_values(hash, p, p->v[c]);
     }
     for (int c = 0; c < p->n_rotations; c++)
-        hash = hash_bytes(hash, p->omega[c], size);
+        hash = hash_values(hash, p, p->omega[c]);
     for (int w = 0; w < world->n_walls; w++) {
         hash = hash_bytes(hash, &world->walls[w].x, sizeof(double));
         hash = hash_bytes(hash, &world->walls[w].v, sizeof(double));

@@ -80,7 +80,7 @@ double world_box_length_m(const struct world *world, int c);
 /* Index of the scene's axis that component c is (2D: 0 -> x, 1 -> z). */
 enum axis world_axis(const struct world *world, int c);
 
-/* FNV-1a over positions, velocities and walls: equal bits, equal hash. */
+/* FNV-1a over positions, velocities (in the order of ids) and walls: equal bits, equal hash. */
 uint64_t world_hash(const struct world *world);
 
 #endif
