@@ -18,7 +18,7 @@
 #include "sim/random.h"
 #include "sim/world.h"
 
-enum { BLOCKS = 5, RELAX_STEPS = 600, LIST_MAX = 32 };
+enum { BLOCKS = 5, RELAX_STEPS = 300, LIST_MAX = 32 };
 static const double BLOCK_S = 0.12;
 
 struct kind {

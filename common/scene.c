@@ -147,8 +147,8 @@ static const struct key record_keys[] = {{"walls", KEY_CHOICE, OF(scene_record, 
                                          {0}};
 
 static const struct key neighbor_keys[] = {
-    {"skin_ratio", KEY_FLOAT, OF(scene_neighbor, skin_ratio), NULL, 1e-3, 10, "0.1", NULL, NULL,
-     "skin of the Verlet list over the mean radius: speed only, never the result"},
+    {"skin_ratio", KEY_FLOAT, OF(scene_neighbor, skin_ratio), NULL, 0, 10, "0", NULL, NULL,
+     "skin of the Verlet list over the mean radius: speed only, never the result; 0: tuned while running"},
     {"renumber_steps", KEY_INT, OF(scene_neighbor, renumber_steps), NULL, -1, 9e15, "-1", NULL, NULL,
      "particles are put into an order in space every so many steps (forces are then summed in another order); 0: "
      "never; "

@@ -102,7 +102,7 @@ struct scene_record {
 };
 
 struct scene_neighbor {
-    double skin_ratio;      /* skin of the Verlet list over the mean radius */
+    double skin_ratio;      /* skin of the Verlet list over the mean radius; 0: tuned */
     int64_t renumber_steps; /* steps between renumberings of the particles; 0: never, -1: by their number */
 };
 

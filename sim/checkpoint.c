@@ -82,7 +82,9 @@ static const struct entry table[] = {
     WORLD(ledger.contacts.viscous_normal, F64, 1),
     WORLD(ledger.contacts.viscous_tangential, F64, 1),
     WORLD(ledger.contacts.friction, F64, 1),
+    WORLD(neighbor.skin, F64, 1),
     WORLD(neighbor.rebuilds, I64, 1),
+    WORLD(neighbor.built_step, I64, 1),
     {"id", OF_PARTICLES, I32, offsetof(struct particles, id), ONE_ARRAY, 0},
     PARTICLES(x, PER_AXIS),
     PARTICLES(v, PER_AXIS),
@@ -354,9 +356,11 @@ static enum status content_fill(struct content *content, hid_t file, const char 
     TRY(world_create_empty(&content->world, &content->scene));
     TRY(get_items(file, content->world, &content->progress));
     world_set_law(content->world);
-    const int64_t rebuilds = content->world->neighbor.rebuilds;
+    const struct neighbor before = content->world->neighbor;
     TRY(world_init_lists(content->world)); /* needs the radii */
-    content->world->neighbor.rebuilds = rebuilds;
+    content->world->neighbor.skin = before.skin;
+    content->world->neighbor.rebuilds = before.rebuilds;
+    content->world->neighbor.built_step = before.built_step;
     return STATUS_OK;
 }
 

@@ -59,7 +59,8 @@ enum status explain_scene(FILE *out, const struct scene *scene)
     fprintf(out, "starting box %g x %g", world_box_length_m(world, 0), world_box_length_m(world, 1));
     if (p->dimension == 3)
         fprintf(out, " x %g", world_box_length_m(world, 2));
-    fprintf(out, " m, skin of the lists %g m\n", world->neighbor.skin);
+    fprintf(out, " m, skin of the lists %g m%s\n", world->neighbor.skin,
+            world->neighbor.skin_fixed > 0 ? "" : " to begin with (tuned while running)");
     explain_contact_time(out, world);
     world_free(world);
     return STATUS_OK;

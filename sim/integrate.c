@@ -80,7 +80,10 @@ static enum status check_inside(const struct world *world)
 
 static enum status renew_lists(struct world *world)
 {
+    struct neighbor *neighbor = &world->neighbor;
     TRY(check_inside(world));
+    neighbor_tune(neighbor, &world->particles, world->walls, world->n_walls, world->step);
+    neighbor->built_step = world->step;
     return neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls);
 }
 
@@ -107,6 +110,7 @@ enum status world_step(struct world *world)
     world->time_s = world->stage_time_start_s + (double)world->stage_step * world->dt;
     bool stale = world->kernels.drift(&world->particles, world->dt, 0.5 * world->neighbor.skin);
     stale = move_walls(world) || stale;
+    stale = stale || neighbor_is_wide(&world->neighbor, &world->particles, world->walls, world->n_walls, world->step);
     if (stale)
         TRY(renew_lists(world));
     forces(world, world->dt);

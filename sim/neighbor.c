@@ -1,5 +1,6 @@
 #include "sim/neighbor.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,11 +20,23 @@ static enum status block_init(struct search_block *block, const struct particles
     return array_resize(&block->id, sizeof(int32_t), (size_t)p->count, 0);
 }
 
-enum status neighbor_init(struct neighbor *nb, const struct particles *p, double skin_m, bool hysteretic,
+/* The same bits in whatever order the particles are. */
+static double mean_radius(const struct particles *p)
+{
+    double sum = 0;
+    for (int i = 0; i < p->count; i++)
+        sum += p->radius[p->slot[i]];
+    return sum / p->count;
+}
+
+enum status neighbor_init(struct neighbor *nb, const struct particles *p, double skin_ratio, bool hysteretic,
                           enum kernel_isa isa)
 {
+    const double first_guess = 0.1;
     memset(nb, 0, sizeof *nb);
-    nb->skin = skin_m;
+    nb->mean_radius = mean_radius(p);
+    nb->skin_fixed = skin_ratio * nb->mean_radius;
+    nb->skin = skin_ratio > 0 ? nb->skin_fixed : first_guess * nb->mean_radius;
     nb->search = search_select(isa);
     list_model(&nb->spare_pairs, p, hysteretic);
     list_model(&nb->spare_wall, p, hysteretic);
@@ -188,4 +201,47 @@ enum status neighbor_build(struct neighbor *nb, struct particles *p, struct cont
         memcpy(p->x_list[c], p->x[c], (size_t)p->count * sizeof(double));
     nb->rebuilds++;
     return STATUS_OK;
+}
+
+/* The farthest that a particle or wall is from where the lists were built. */
+static double farthest(const struct particles *p, const struct wall *walls, int n_walls)
+{
+    double most2 = 0;
+    for (int i = 0; i < p->count; i++) {
+        double moved2 = 0;
+        for (int c = 0; c < p->dimension; c++)
+            moved2 += (p->x[c][i] - p->x_list[c][i]) * (p->x[c][i] - p->x_list[c][i]);
+        most2 = moved2 > most2 ? moved2 : most2;
+    }
+    for (int w = 0; w < n_walls; w++)
+        most2 = fmax(most2, (walls[w].x - walls[w].x_list) * (walls[w].x - walls[w].x_list));
+    return sqrt(most2);
+}
+
+/* The skin s that costs least where it is used up at `speed` per step. A skin costs m1 s/a candidates per particle and
+ * step, each as much as 1/r of building one particle's row, and s/(2 speed) steps pass from build to build: s^2 = 2 a
+ * speed r/m1. m1 counts near neighbours in a dense packing. r and m1: docs/performance.md. */
+static double best_skin(const struct neighbor *nb, const struct particles *p, double speed)
+{
+    const double smallest = 0.01, largest = 1;
+    double ratio = p->dimension == 2 ? 30 / 1.4 : 15 / 3.9;
+    double skin = sqrt(2 * nb->mean_radius * speed * ratio);
+    return fmin(fmax(skin, smallest * nb->mean_radius), largest * nb->mean_radius);
+}
+
+void neighbor_tune(struct neighbor *nb, const struct particles *p, const struct wall *walls, int n_walls, int64_t step)
+{
+    if (nb->skin_fixed > 0 || step <= nb->built_step)
+        return;
+    double speed = farthest(p, walls, n_walls) / (double)(step - nb->built_step);
+    nb->skin = sqrt(nb->skin * best_skin(nb, p, speed)); /* half way there: speeds vary */
+}
+
+bool neighbor_is_wide(const struct neighbor *nb, const struct particles *p, const struct wall *walls, int n_walls,
+                      int64_t step)
+{
+    const int64_t since = step - nb->built_step, first_look = 256;
+    if (nb->skin_fixed > 0 || since < first_look || (since & (since - 1)) != 0)
+        return false;
+    return best_skin(nb, p, farthest(p, walls, n_walls) / (double)since) < 0.5 * nb->skin;
 }

@@ -19,14 +19,6 @@ enum axis world_axis(const struct world *world, int c)
     return scene_pair_axis(world->scene, c);
 }
 
-static double mean_radius(const struct particles *p)
-{
-    double sum = 0;
-    for (int i = 0; i < p->count; i++)
-        sum += p->radius[i];
-    return sum / p->count;
-}
-
 static void name_walls(struct world *world)
 {
     for (int w = 0; w < world->n_walls; w++) {
@@ -79,8 +71,8 @@ static enum status create_and(struct world **world, const struct scene *scene, e
 
 enum status world_init_lists(struct world *world)
 {
-    double skin = world->scene->neighbor.skin_ratio * mean_radius(&world->particles);
-    TRY(neighbor_init(&world->neighbor, &world->particles, skin, world->pairs.hysteretic, world->isa));
+    TRY(neighbor_init(&world->neighbor, &world->particles, world->scene->neighbor.skin_ratio, world->pairs.hysteretic,
+                      world->isa));
     world->neighbor.renumber_steps = renumber_interval(world->scene->neighbor.renumber_steps, world->particles.count);
     return STATUS_OK;
 }

@@ -1,0 +1,410 @@
+/* Lists of neighbours against a search of all pairs, for every instruction set: random samples of any spread of sizes,
+ * histories, the skin that tunes itself, and renumbering. */
+#include "sim_fixture.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/measure.h"
+#include "sim/random.h"
+#include "sim/renumber.h"
+
+static const char friction[] =
+    "law = \"hysteretic\"; k1_n_per_m = 8e4; k2_n_per_m = 1e5; kc_n_per_m = 2e4; mu_s = 0.3; "
+    "kt_n_per_m = 2e4; gamma_n_kg_per_s = 0.05; gamma_t_kg_per_s = 0.01;";
+
+/* Particles with radii between 1 mm/ratio and 1 mm, spread evenly over the logarithm, anywhere in a box that they would
+ * fill to a part `filled`. */
+static struct fixture scatter(int dimension, int count, double ratio, double filled, int seed, const char *more)
+{
+    const struct fixture_options options = {dimension, count, 1e-7, friction, more};
+    struct fixture f = fixture_open(&options);
+    struct world *world = f.world;
+    struct particles *p = &world->particles;
+    struct random random;
+    random_init(&random, (uint64_t)seed);
+    for (int i = 0; i < count; i++)
+        p->radius[i] = 1e-3 * pow(ratio, -random_uniform(&random));
+    double side = pow(particles_solid_volume(p) / filled, 1.0 / dimension);
+    for (int c = 0; c < dimension; c++) {
+        world->walls[2 * c].x = 0;
+        world->walls[2 * c + 1].x = side;
+        for (int i = 0; i < count; i++)
+            p->x[c][i] = side * random_uniform(&random);
+    }
+    return f;
+}
+
+static void build(struct world *world)
+{
+    must(neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls));
+}
+
+static double distance(const struct particles *p, int i, int j)
+{
+    double d2 = 0;
+    for (int c = 0; c < p->dimension; c++)
+        d2 += (p->x[c][i] - p->x[c][j]) * (p->x[c][i] - p->x[c][j]);
+    return sqrt(d2);
+}
+
+/* The lists hold what is closer than the skin, in order. The search works in single precision relative to a cell: it
+ * may add what is up to three parts in a million of the largest cell farther. Returns the number of pairs. */
+static int check_against_all(const struct world *world)
+{
+    const struct particles *p = &world->particles;
+    const struct contact_list *pairs = &world->pairs;
+    double margin = 0, skin = world->neighbor.skin;
+    int at = 0;
+    for (int c = 0; c < p->dimension; c++)
+        margin = fmax(margin, 3e-6 * world_box_length_m(world, c));
+    for (int i = 0; i < p->count; i++)
+        for (int j = i + 1; j < p->count; j++) {
+            double gap = distance(p, i, j) - p->radius[i] - p->radius[j];
+            bool listed = at < pairs->count && pairs->i[at] == i && pairs->j[at] == j;
+            assert_true(listed || !(gap < skin));
+            assert_true(!listed || gap < skin + margin);
+            assert_true(!listed || pairs->reach[at] == p->radius[i] + p->radius[j]);
+            at += listed;
+        }
+    assert_int_equal(at, pairs->count); /* rising by (i, j), none twice */
+    for (int w = 0; w < world->n_walls; w++) {
+        const struct wall *wall = &world->walls[w];
+        int k = 0;
+        for (int i = 0; i < p->count; i++) {
+            bool near = wall->inward * (p->x[wall->axis][i] - wall->x) - p->radius[i] < skin;
+            assert_true(!near || (k < wall->contacts.count && wall->contacts.i[k] == i));
+            k += near;
+        }
+        assert_int_equal(k, wall->contacts.count);
+    }
+    return at;
+}
+
+static void check_scatter(int dimension, int count, double ratio, double filled, double skin)
+{
+    struct fixture f = scatter(dimension, count, ratio, filled, count + dimension, "");
+    struct world *world = f.world;
+    world->neighbor.skin = skin * 1e-3 / ratio;
+    int pairs = -1;
+    for (int isa = 0; isa < ISA_COUNT; isa++) {
+        if (!kernel_isa_supported(isa)) {
+            print_message("kernels %s skipped: this CPU cannot run them\n", kernel_isa_name(isa));
+            continue;
+        }
+        world->neighbor.search = search_select(isa);
+        build(world);
+        int found = check_against_all(world);
+        assert_true(pairs < 0 || pairs == found);
+        pairs = found;
+    }
+    assert_true(count < 100 || filled < 0.1 || pairs > 0);
+    fixture_close(&f);
+}
+
+static void lists_are_those_of_all_pairs(void **state)
+{
+    static const int count[] = {1, 2, 3, 16, 17, 130, 700};
+    static const double ratio[] = {1, 3, 10, 100}, filled[] = {0.01, 0.5, 3}, skin[] = {0.1, 3};
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++)
+        for (int n = 0; n < 7; n++)
+            for (int r = 0; r < 4; r++)
+                for (int k = 0; k < 6; k++)
+                    check_scatter(dimension, count[n], ratio[r], filled[k / 2], skin[k % 2]);
+}
+
+/* All in one place, on a line, and one far away: grids of one cell, of one row, and mostly empty. */
+static void odd_places_are_found_too(void **state)
+{
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++)
+        for (int odd = 0; odd < 3; odd++) {
+            struct fixture f = scatter(dimension, 50, 10, 0.5, 3, "");
+            struct particles *p = &f.world->particles;
+            for (int i = 0; i < p->count; i++)
+                for (int c = 0; c < dimension; c++)
+                    p->x[c][i] = odd == 0            ? 1e-3
+                                 : odd == 1 && c > 0 ? 2e-3
+                                                     : p->x[c][i] * (odd == 2 && i == 0 ? 1e5 : 1);
+            build(f.world);
+            const struct contact_list *pairs = &f.world->pairs;
+            assert_true(odd > 0 || pairs->count == 50 * 49 / 2);
+            int at = 0;
+            for (int i = 0; i < p->count; i++)
+                for (int j = i + 1; j < p->count; j++) {
+                    double gap = distance(p, i, j) - p->radius[i] - p->radius[j];
+                    bool listed = at < pairs->count && pairs->i[at] == i && pairs->j[at] == j;
+                    assert_true(listed || !(gap < f.world->neighbor.skin));
+                    at += listed;
+                }
+            assert_int_equal(at, pairs->count);
+            fixture_close(&f);
+        }
+}
+
+/* ---- histories ---- */
+
+/* A number of its own for each pair and array. */
+static double mark(int i, int j, int array)
+{
+    return 1 + i + 1000.0 * j + 1e7 * array;
+}
+
+static double *array_of(const struct contact_list *list, int array)
+{
+    return array == 0 ? list->history : array == 1 ? list->sliding : list->spring[array - 2];
+}
+
+static void mark_list(struct contact_list *list, const struct particles *p)
+{
+    contact_list_read(list);
+    for (int a = 0; a < 2 + list->n_springs; a++)
+        for (int k = 0; k < list->count; k++)
+            array_of(list, a)[k] = a == 1 ? k % 2 : mark(list->i[k], list->j[k], a);
+    must(contact_list_close(list, p));
+}
+
+static bool was_listed(const struct contact_list *list, int i, int j)
+{
+    for (int k = 0; k < list->count; k++)
+        if (list->i[k] == i && list->j[k] == j)
+            return true;
+    return false;
+}
+
+static void copy_pairs(struct contact_list *to, const struct contact_list *from)
+{
+    *to = (struct contact_list){.count = from->count};
+    to->i = malloc(((size_t)from->count + 1) * sizeof *to->i);
+    to->j = malloc(((size_t)from->count + 1) * sizeof *to->j);
+    assert_true(to->i && to->j);
+    memcpy(to->i, from->i, (size_t)from->count * sizeof *to->i);
+    memcpy(to->j, from->j, (size_t)from->count * sizeof *to->j);
+}
+
+/* Returns 1 for a history that was kept, 0 for a new candidate's. */
+static int check_marks(struct contact_list *list, const struct contact_list *before, int *fresh)
+{
+    int kept = 0;
+    contact_list_read(list);
+    for (int k = 0; k < list->count; k++) {
+        bool known = was_listed(before, list->i[k], list->j[k]);
+        for (int a = 0; a < 2 + list->n_springs; a++)
+            if (a != 1)
+                assert_true(array_of(list, a)[k] == (known ? mark(list->i[k], list->j[k], a) : 0));
+        kept += known;
+        *fresh += !known;
+    }
+    return kept;
+}
+
+static void histories_are_carried_exactly(void **state)
+{
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++)
+        for (int isa = 0; isa < ISA_COUNT; isa++) {
+            if (!kernel_isa_supported(isa))
+                continue;
+            struct fixture f = scatter(dimension, 300, 3, 1, 5, "");
+            struct world *world = f.world;
+            struct particles *p = &world->particles;
+            struct contact_list before, wall_before;
+            struct random random;
+            int kept = 0, fresh = 0;
+            world->neighbor.search = search_select(isa);
+            random_init(&random, 9);
+            build(world);
+            mark_list(&world->pairs, p);
+            mark_list(&world->walls[1].contacts, p);
+            copy_pairs(&before, &world->pairs);
+            copy_pairs(&wall_before, &world->walls[1].contacts);
+            for (int c = 0; c < dimension; c++)
+                for (int i = 0; i < p->count; i++)
+                    p->x[c][i] += 3e-4 * (random_uniform(&random) - 0.5);
+            build(world);
+            kept += check_marks(&world->pairs, &before, &fresh);
+            assert_true(kept > 100 && fresh > 20);
+            check_marks(&world->walls[1].contacts, &wall_before, &fresh);
+            free(before.i);
+            free(before.j);
+            free(wall_before.i);
+            free(wall_before.j);
+            fixture_close(&f);
+        }
+}
+
+/* ---- a gas whose particles mix ---- */
+
+static struct fixture gas(int dimension, const char *more)
+{
+    char text[1024];
+    snprintf(
+        text, sizeof text,
+        "dimension = %d;\nsample = { count = 120; radius_min_m = 0.2e-3; radius_max_m = 1.5e-3; density_kg_per_m3 = "
+        "2000.0; speed_m_per_s = 2.0; gap_ratio = 0.02; };\nmaterial = { %s };\n%s\n"
+        "stages = ( { name = \"a\"; dt_s = 5e-7; duration_s = 1.0; } );\n",
+        dimension, friction, more);
+    struct fixture f = fixture_from_text(text);
+    fixture_start(&f);
+    return f;
+}
+
+/* Lists built at different times, the same bits; and fewer builds than with the narrowest skin. */
+static void the_tuned_skin_changes_nothing(void **state)
+{
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        struct fixture fixed = gas(dimension, "neighbor = { skin_ratio = 0.02; };"), tuned = gas(dimension, "");
+        double first = tuned.world->neighbor.skin;
+        fixture_steps(&fixed, 8000);
+        fixture_steps(&tuned, 8000);
+        assert_true(world_hash(fixed.world) == world_hash(tuned.world));
+        assert_true(tuned.world->neighbor.rebuilds < fixed.world->neighbor.rebuilds / 2);
+        assert_true(tuned.world->neighbor.skin > first);
+        fixture_close(&fixed);
+        fixture_close(&tuned);
+    }
+}
+
+/* A sample that has come to rest needs no skin: the lists are built again without much of it. */
+static void the_tuned_skin_narrows_at_rest(void **state)
+{
+    (void)state;
+    struct fixture f = scatter(2, 100, 2, 0.1, 4, "");
+    fixture_start(&f);
+    double wide = f.world->neighbor.skin = 1e-3;
+    build(f.world);
+    for (int c = 0; c < 2; c++)
+        memset(f.world->particles.v[c], 0, 100 * sizeof(double));
+    f.world->material = &f.scene->stage[0].material;
+    f.world->law.k1 = f.world->law.k2 = f.world->law.k2_minus_k1 = f.world->law.kc = 0; /* what overlaps stays */
+    for (int c = 0; c < 2; c++)
+        memset(f.world->particles.a[c], 0, 100 * sizeof(double));
+    fixture_steps(&f, 600);
+    assert_true(f.world->neighbor.skin < 0.2 * wide);
+    fixture_close(&f);
+}
+
+/* ---- renumbering ---- */
+
+static struct contact_measurement *contacts_of(const struct world *world, int *n)
+{
+    *n = measure_contacts(world, NULL);
+    struct contact_measurement *contacts = calloc((size_t)*n + 1, sizeof *contacts);
+    assert_non_null(contacts);
+    assert_int_equal(measure_contacts(world, contacts), *n);
+    return contacts;
+}
+
+static void assert_same_contacts(const struct contact_measurement *a, const struct contact_measurement *b, int n)
+{
+    for (int k = 0; k < n; k++) {
+        assert_int_equal(a[k].i, b[k].i);
+        assert_int_equal(a[k].j, b[k].j);
+        assert_true(a[k].overlap_m == b[k].overlap_m && a[k].normal_force_n == b[k].normal_force_n);
+        assert_true(a[k].sliding == b[k].sliding);
+        for (int c = 0; c < 3; c++)
+            assert_true(a[k].normal[c] == b[k].normal[c] && a[k].tangential_force_n[c] == b[k].tangential_force_n[c]);
+    }
+}
+
+/* Neither a bit of the state nor of a contact changes, in the order of ids; only where things are. */
+static void renumbering_only_moves(void **state)
+{
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        struct fixture f = scatter(dimension, 200, 2, 0.7, 6, "neighbor = { renumber_steps = 0; };");
+        struct world *world = f.world;
+        int n, m, moved = 0;
+        fixture_start(&f);
+        fixture_steps(&f, 200); /* springs and histories of many contacts */
+        uint64_t hash = world_hash(world);
+        struct contact_measurement *before = contacts_of(world, &n);
+        assert_true(n > 100);
+        must(renumber(&world->particles, &world->pairs, world->walls, world->n_walls));
+        build(world);
+        assert_true(world_hash(world) == hash);
+        struct contact_measurement *after = contacts_of(world, &m);
+        assert_int_equal(n, m);
+        assert_same_contacts(before, after, n);
+        for (int i = 0; i < world->particles.count; i++) {
+            assert_int_equal(world->particles.id[world->particles.slot[i]], i);
+            moved += world->particles.id[i] != i;
+        }
+        assert_true(moved > world->particles.count / 2);
+        check_against_all(world);
+        free(before);
+        free(after);
+        fixture_close(&f);
+    }
+}
+
+/* Forces are summed in another order, so a step differs by rounding, and collisions amplify that: over 200 steps with
+ * renumbering at every 10th, at most by 1e-9 of the distance travelled at 2 m/s. */
+static void renumbering_keeps_the_physics(void **state)
+{
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        struct fixture plain = gas(dimension, "neighbor = { renumber_steps = 0; };");
+        struct fixture mixed = gas(dimension, "neighbor = { renumber_steps = 10; };");
+        const struct particles *a = &plain.world->particles, *b = &mixed.world->particles;
+        fixture_steps(&plain, 200);
+        fixture_steps(&mixed, 200);
+        for (int i = 0; i < a->count; i++) {
+            assert_true(a->radius[i] == b->radius[b->slot[i]] && a->mass[i] == b->mass[b->slot[i]]);
+            for (int c = 0; c < dimension; c++)
+                assert_close("position", b->x[c][b->slot[i]], a->x[c][i], 1e-9 * 2.0 * 200 * 5e-7);
+        }
+        assert_true(mixed.world->neighbor.rebuilds >= 20);
+        fixture_close(&plain);
+        fixture_close(&mixed);
+    }
+}
+
+/* Neighbours in space become neighbours in memory. */
+static void renumbering_brings_neighbours_together(void **state)
+{
+    (void)state;
+    struct fixture f = scatter(2, 2000, 1, 0.8, 8, "");
+    double apart[2];
+    for (int k = 0; k < 2; k++) {
+        build(f.world);
+        const struct contact_list *pairs = &f.world->pairs;
+        apart[k] = 0;
+        for (int m = 0; m < pairs->count; m++)
+            apart[k] += (double)(pairs->j[m] - pairs->i[m]) / pairs->count;
+        must(renumber(&f.world->particles, &f.world->pairs, f.world->walls, f.world->n_walls));
+    }
+    assert_close("mean distance at random", apart[0], 2000 / 3.0, 60); /* of 3000 pairs: 5 standard errors */
+    assert_true(apart[1] < 2 * sqrt(2000));                            /* about a row of cells */
+    fixture_close(&f);
+}
+
+static void ids_that_are_none_are_refused(void **state)
+{
+    (void)state;
+    struct fixture f = scatter(2, 10, 1, 0.1, 8, "");
+    f.world->particles.id[3] = 4;
+    assert_int_equal(renumber_set_slots(&f.world->particles), STATUS_FORMAT);
+    f.world->particles.id[3] = 10;
+    assert_int_equal(renumber_set_slots(&f.world->particles), STATUS_FORMAT);
+    f.world->particles.id[3] = 3;
+    must(renumber_set_slots(&f.world->particles));
+    fixture_close(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lists_are_those_of_all_pairs),   cmocka_unit_test(odd_places_are_found_too),
+        cmocka_unit_test(histories_are_carried_exactly),  cmocka_unit_test(the_tuned_skin_changes_nothing),
+        cmocka_unit_test(the_tuned_skin_narrows_at_rest), cmocka_unit_test(renumbering_only_moves),
+        cmocka_unit_test(renumbering_keeps_the_physics),  cmocka_unit_test(renumbering_brings_neighbours_together),
+        cmocka_unit_test(ids_that_are_none_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
