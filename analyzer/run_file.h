@@ -31,7 +31,9 @@ enum observable_shape { SHAPE_SCALAR, SHAPE_VECTOR, SHAPE_TENSOR }; /* 1, D, D x
     X(KINETIC_ENERGY, "kinetic_energy_j", SHAPE_SCALAR)                                                                \
     X(WORK_WALLS, "work_walls_j", SHAPE_SCALAR)                                                                        \
     X(WORK_GRAVITY, "work_gravity_j", SHAPE_SCALAR)                                                                    \
-    X(ENERGY_RESIDUAL, "energy_residual_j", SHAPE_SCALAR)
+    X(ENERGY_RESIDUAL, "energy_residual_j", SHAPE_SCALAR)                                                              \
+    X(INTERFACE_RESIDUAL, "interface_residual_j", SHAPE_SCALAR)                                                        \
+    X(CONTROLLER_RESIDUAL, "controller_residual_j", SHAPE_SCALAR)
 
 enum observable {
 #define OBSERVABLE_ENUM(id, name, shape) OBSERVABLE_##id,

@@ -240,6 +240,17 @@ enum status bus_publish(struct bus *bus, const char *channel, const void *data, 
     return STATUS_OK;
 }
 
+enum status bus_wait(struct bus *bus, int timeout_ms, bool busy, bool *handled)
+{
+    if (!busy)
+        return bus_handle(bus, timeout_ms, handled);
+    const double until = clock_now_s() + 1e-3 * timeout_ms;
+    do
+        TRY(bus_handle(bus, 0, handled));
+    while (!*handled && clock_now_s() < until);
+    return STATUS_OK;
+}
+
 /* lcm_handle_timeout is not used: when a signal interrupts its wait it goes on to block without a limit. */
 enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
 {

@@ -6,9 +6,6 @@
 #include "shakedown_wall_command_t.h"
 #include "shakedown_wall_state_t.h"
 
-/* Arrays of doubles that follow the count of walls. */
-enum { STATE_ARRAYS = 6, COMMAND_ARRAYS = 3 };
-
 static bool wall_count_fits(int n_walls)
 {
     return n_walls == 4 || n_walls == 6;
@@ -27,17 +24,23 @@ void wall_state_to_message(const struct wall_state *state, int64_t run_id, int64
                                         .stage_step = s->stage_step,
                                         .stage_time_s = s->stage_time_s,
                                         .interval_s = s->interval_s,
+                                        .command_step = s->command_step,
                                         .kinetic_energy_j = s->kinetic_energy_j,
                                         .elastic_energy_j = s->elastic_energy_j,
                                         .energy_step = s->energy_step,
                                         .interface_residual_j = s->interface_residual_j,
+                                        .interface_error = s->interface_error,
+                                        .interface_error_before = s->interface_error_before,
                                         .n_walls = s->n_walls,
                                         .position_m = s->position_m,
                                         .velocity_m_per_s = s->velocity_m_per_s,
                                         .force_n = s->force_n,
                                         .stiffness_n_per_m = s->stiffness_n_per_m,
                                         .damping_kg_per_s = s->damping_kg_per_s,
-                                        .stage_position_m = s->stage_position_m};
+                                        .stage_position_m = s->stage_position_m,
+                                        .force_before_n = s->force_before_n,
+                                        .ahead_position_m = s->ahead_position_m,
+                                        .ahead_velocity_m_per_s = s->ahead_velocity_m_per_s};
 }
 
 bool wall_state_from_message(const struct _shakedown_wall_state_t *message, struct wall_state *state)
@@ -50,10 +53,13 @@ bool wall_state_from_message(const struct _shakedown_wall_state_t *message, stru
                                  .stage_step = message->stage_step,
                                  .stage_time_s = message->stage_time_s,
                                  .interval_s = message->interval_s,
+                                 .command_step = message->command_step,
                                  .kinetic_energy_j = message->kinetic_energy_j,
                                  .elastic_energy_j = message->elastic_energy_j,
                                  .energy_step = message->energy_step,
                                  .interface_residual_j = message->interface_residual_j,
+                                 .interface_error = message->interface_error,
+                                 .interface_error_before = message->interface_error_before,
                                  .n_walls = message->n_walls};
     size_t bytes = (size_t)message->n_walls * sizeof(double);
     memcpy(state->position_m, message->position_m, bytes);
@@ -62,6 +68,9 @@ bool wall_state_from_message(const struct _shakedown_wall_state_t *message, stru
     memcpy(state->stiffness_n_per_m, message->stiffness_n_per_m, bytes);
     memcpy(state->damping_kg_per_s, message->damping_kg_per_s, bytes);
     memcpy(state->stage_position_m, message->stage_position_m, bytes);
+    memcpy(state->force_before_n, message->force_before_n, bytes);
+    memcpy(state->ahead_position_m, message->ahead_position_m, bytes);
+    memcpy(state->ahead_velocity_m_per_s, message->ahead_velocity_m_per_s, bytes);
     return true;
 }
 
@@ -78,9 +87,15 @@ void wall_command_to_message(const struct wall_command *command, int64_t run_id,
                                           .n_steps = c->n_steps,
                                           .fraction_done = c->fraction_done,
                                           .n_walls = c->n_walls,
+                                          .drive = c->drive,
                                           .position_m = c->position_m,
                                           .velocity_m_per_s = c->velocity_m_per_s,
-                                          .acceleration_m_per_s2 = c->acceleration_m_per_s2};
+                                          .acceleration_m_per_s2 = c->acceleration_m_per_s2,
+                                          .force_n = c->force_n,
+                                          .force_rate_n_per_s = c->force_rate_n_per_s,
+                                          .force_rate2_n_per_s2 = c->force_rate2_n_per_s2,
+                                          .mass_kg = c->mass_kg,
+                                          .damping_kg_per_s = c->damping_kg_per_s};
 }
 
 bool wall_command_from_message(const struct _shakedown_wall_command_t *message, struct wall_command *command)
@@ -97,25 +112,30 @@ bool wall_command_from_message(const struct _shakedown_wall_command_t *message, 
     memcpy(command->position_m, message->position_m, bytes);
     memcpy(command->velocity_m_per_s, message->velocity_m_per_s, bytes);
     memcpy(command->acceleration_m_per_s2, message->acceleration_m_per_s2, bytes);
+    memcpy(command->drive, message->drive, (size_t)message->n_walls * sizeof *command->drive);
+    memcpy(command->force_n, message->force_n, bytes);
+    memcpy(command->force_rate_n_per_s, message->force_rate_n_per_s, bytes);
+    memcpy(command->force_rate2_n_per_s2, message->force_rate2_n_per_s2, bytes);
+    memcpy(command->mass_kg, message->mass_kg, bytes);
+    memcpy(command->damping_kg_per_s, message->damping_kg_per_s, bytes);
     return true;
 }
 
 /* Reads the header (zero if there is none) and checks that the size belongs to 4 or 6 walls. */
-static bool message_fits(const void *data, size_t size, size_t empty_bytes, size_t arrays,
+static bool message_fits(const void *data, size_t size, size_t empty_bytes, size_t wall_bytes,
                          struct message_header *header)
 {
     int32_t n_walls = 0;
     memset(header, 0, sizeof *header);
     return size <= INT_MAX && message_header_read(data, size, header) &&
-           message_count_read(data, size, empty_bytes, arrays * sizeof(double), 0, &n_walls) &&
-           wall_count_fits(n_walls);
+           message_count_read(data, size, empty_bytes, wall_bytes, 0, &n_walls) && wall_count_fits(n_walls);
 }
 
 bool wall_state_decode(const void *data, size_t size, struct message_header *header, struct wall_state *state)
 {
     shakedown_wall_state_t message = {0};
     size_t empty_bytes = (size_t)shakedown_wall_state_t_encoded_size(&message);
-    if (!message_fits(data, size, empty_bytes, STATE_ARRAYS, header))
+    if (!message_fits(data, size, empty_bytes, WALL_STATE_ARRAYS * sizeof(double), header))
         return false;
     bool fits =
         shakedown_wall_state_t_decode(data, 0, (int)size, &message) >= 0 && wall_state_from_message(&message, state);
@@ -127,7 +147,7 @@ bool wall_command_decode(const void *data, size_t size, struct message_header *h
 {
     shakedown_wall_command_t message = {0};
     size_t empty_bytes = (size_t)shakedown_wall_command_t_encoded_size(&message);
-    if (!message_fits(data, size, empty_bytes, COMMAND_ARRAYS, header))
+    if (!message_fits(data, size, empty_bytes, WALL_COMMAND_ARRAYS * sizeof(double) + sizeof(int32_t), header))
         return false;
     bool fits = shakedown_wall_command_t_decode(data, 0, (int)size, &message) >= 0 &&
                 wall_command_from_message(&message, command);

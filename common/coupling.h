@@ -17,9 +17,11 @@ struct wall_state {
     int64_t stage_step;
     double stage_time_s;
     double interval_s;
+    int64_t command_step; /* the command is wanted from this step on; later than `step` if pipelined */
     double kinetic_energy_j, elastic_energy_j;
     int64_t energy_step;
     double interface_residual_j;
+    double interface_error, interface_error_before;
     int n_walls;
     double position_m[SCENE_WALLS_MAX];
     double velocity_m_per_s[SCENE_WALLS_MAX]; /* mean over the interval that ended at `step` */
@@ -27,9 +29,21 @@ struct wall_state {
     double stiffness_n_per_m[SCENE_WALLS_MAX];
     double damping_kg_per_s[SCENE_WALLS_MAX];
     double stage_position_m[SCENE_WALLS_MAX];
+    double force_before_n[SCENE_WALLS_MAX];
+    double ahead_position_m[SCENE_WALLS_MAX];
+    double ahead_velocity_m_per_s[SCENE_WALLS_MAX];
 };
 
-/* Motion from `step` over n_steps: x(t) = x + v t + a t^2/2, v(t) = v + a t. Fields as in wall_command_t.lcm. */
+/* What moves a wall during an interval. */
+enum wall_drive {
+    DRIVE_PATH,            /* a path that depends on no force */
+    DRIVE_LOOP,            /* a path that answers the force */
+    DRIVE_IMPEDANCE,       /* mass, damping and driving force: sim closes the loop in every step */
+    DRIVE_IMPEDANCE_MIRROR /* the same for a pair of walls with one degree of freedom */
+};
+
+/* Motion from `step` over n_steps: x(t) = x + v t + a t^2/2, v(t) = v + a t, or by an impedance. Fields as in
+ * wall_command_t.lcm. */
 struct wall_command {
     int64_t step;
     int stage;
@@ -37,9 +51,15 @@ struct wall_command {
     int n_steps;
     double fraction_done;
     int n_walls;
+    int32_t drive[SCENE_WALLS_MAX]; /* enum wall_drive */
     double position_m[SCENE_WALLS_MAX];
     double velocity_m_per_s[SCENE_WALLS_MAX];
     double acceleration_m_per_s2[SCENE_WALLS_MAX];
+    double force_n[SCENE_WALLS_MAX];
+    double force_rate_n_per_s[SCENE_WALLS_MAX];
+    double force_rate2_n_per_s2[SCENE_WALLS_MAX];
+    double mass_kg[SCENE_WALLS_MAX];
+    double damping_kg_per_s[SCENE_WALLS_MAX];
 };
 
 /* Conversion to and from the generated types (lcmtypes); arrays point into `state`/`command`, no allocation.
@@ -59,7 +79,10 @@ bool wall_state_decode(const void *data, size_t size, struct message_header *hea
 bool wall_command_decode(const void *data, size_t size, struct message_header *header, struct wall_command *command);
 
 /* Encodes into `buffer` [WALL_MESSAGE_MAX] bytes; returns the size, 0 if it does not fit. */
-enum { WALL_MESSAGE_MAX = 512 };
+enum { WALL_MESSAGE_MAX = 1024 };
+
+/* Arrays of doubles behind the count of walls in each message; a command has one of 32-bit integers before them. */
+enum { WALL_STATE_ARRAYS = 9, WALL_COMMAND_ARRAYS = 8 };
 size_t wall_state_encode(const struct wall_state *state, int64_t run_id, int64_t seq, unsigned char *buffer);
 size_t wall_command_encode(const struct wall_command *command, int64_t run_id, int64_t seq, double time_s,
                            unsigned char *buffer);

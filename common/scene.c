@@ -14,7 +14,7 @@ static const char *const opposite_names[] = {"fixed", "mirror", "constant", NULL
 static const char *const target_names[] = {"constant", "ramp", "cosine", NULL};
 static const char *const radius_names[] = {"uniform", "gaussian", NULL};
 static const char *const initial_names[] = {"lattice", "random", "checkpoint", NULL};
-static const char *const scheme_names[] = {"hold", NULL};
+static const char *const scheme_names[] = {"hold", "jacobian", "pipelined", "adaptive", "impedance", NULL};
 static const char *const walls_names[] = {"sampled", "full", NULL};
 
 static const struct key material_keys[] = {
@@ -133,9 +133,14 @@ static const struct key sample_keys[] = {
 
 static const struct key coupling_keys[] = {
     {"scheme", KEY_CHOICE, OF(scene_coupling, scheme), NULL, 0, 0, "hold", scheme_names, NULL,
-     "hold: the wall's velocity from the last force, held over the interval"},
+     "how wallctl answers forces between exchanges: docs/coupling.md; all are the exact loop at an interval of 1 "
+     "(pipelined: with a delay of one)"},
     {"interval_steps", KEY_INT, OF(scene_coupling, interval_steps), "steps", 1, 1000000, "1", NULL, NULL,
-     "exchange interval n; 1 is exact"},
+     "exchange interval n; 1 is exact; adaptive: the longest"},
+    {"tolerance", KEY_FLOAT, OF(scene_coupling, tolerance), NULL, 1e-9, 1, "1e-3", NULL, NULL,
+     "adaptive: energy mismatch at the walls over their work, wanted in each interval"},
+    {"busy_poll", KEY_BOOL, OF(scene_coupling, busy_poll), NULL, 0, 0, "false", NULL, NULL,
+     "sim and wallctl wait for each other without sleeping: shorter waits, but a core each is always busy"},
     {"timeout_s", KEY_FLOAT, OF(scene_coupling, timeout_s), "s", 0.1, 86400, "30", NULL, NULL,
      "sim gives up after this long without an answer from wallctl or the recorder"},
     {0}};

@@ -86,11 +86,13 @@ struct scene_sample {
     double speed_m_per_s;               /* starting velocities, uniform in [-speed, speed] per component */
 };
 
-enum coupling_scheme { SCHEME_HOLD };
+enum coupling_scheme { SCHEME_HOLD, SCHEME_JACOBIAN, SCHEME_PIPELINED, SCHEME_ADAPTIVE, SCHEME_IMPEDANCE };
 
 struct scene_coupling {
     int scheme;             /* enum coupling_scheme */
-    int64_t interval_steps; /* n */
+    int64_t interval_steps; /* n; adaptive: the longest */
+    double tolerance;       /* adaptive: energy mismatch over work at the walls, per interval */
+    bool busy_poll;         /* sim and wallctl look for messages without sleeping */
     double timeout_s;       /* without an answer from wallctl or the recorder, sim gives up */
 };
 

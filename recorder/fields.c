@@ -44,6 +44,7 @@ const struct field sample_fields[] = {
     SAMPLE(dissipated_background_j, F64, ONE, "J"),
     SAMPLE(energy_residual_j, F64, ONE, "J"),
     SAMPLE(interface_residual_j, F64, ONE, "J"),
+    SAMPLE(controller_residual_j, F64, ONE, "J"),
     {NULL, NULL, 0, FIELD_I8, WIDTH_ONE},
 };
 
@@ -58,13 +59,19 @@ const struct field wall_state_fields[] = {
     STATE(kinetic_energy_j, F64, ONE, "J"),
     STATE(elastic_energy_j, F64, ONE, "J"),
     STATE(energy_step, I64, ONE, "1"),
+    STATE(command_step, I64, ONE, "1"),
     STATE(interface_residual_j, F64, ONE, "J"),
+    STATE(interface_error, F64, ONE, "1"),
+    STATE(interface_error_before, F64, ONE, "1"),
     STATE(position_m, F64, WALLS, "m"),
     STATE(velocity_m_per_s, F64, WALLS, "m/s"),
     STATE(force_n, F64, WALLS, "N"),
     STATE(stiffness_n_per_m, F64, WALLS, "N/m"),
     STATE(damping_kg_per_s, F64, WALLS, "kg/s"),
     STATE(stage_position_m, F64, WALLS, "m"),
+    STATE(force_before_n, F64, WALLS, "N"),
+    STATE(ahead_position_m, F64, WALLS, "m"),
+    STATE(ahead_velocity_m_per_s, F64, WALLS, "m/s"),
     {NULL, NULL, 0, FIELD_I8, WIDTH_ONE},
 };
 
@@ -76,8 +83,14 @@ const struct field wall_command_fields[] = {
     COMMAND(finished, I8, ONE, "1"),
     COMMAND(n_steps, I32, ONE, "1"),
     COMMAND(fraction_done, F64, ONE, "1"),
+    COMMAND(drive, I32, WALLS, "1"),
     COMMAND(position_m, F64, WALLS, "m"),
     COMMAND(velocity_m_per_s, F64, WALLS, "m/s"),
     COMMAND(acceleration_m_per_s2, F64, WALLS, "m/s^2"),
+    COMMAND(force_n, F64, WALLS, "N"),
+    COMMAND(force_rate_n_per_s, F64, WALLS, "N/s"),
+    COMMAND(force_rate2_n_per_s2, F64, WALLS, "N/s^2"),
+    COMMAND(mass_kg, F64, WALLS, "kg"),
+    COMMAND(damping_kg_per_s, F64, WALLS, "kg/s"),
     {NULL, NULL, 0, FIELD_I8, WIDTH_ONE},
 };

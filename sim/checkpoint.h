@@ -22,6 +22,8 @@ struct run_progress {
     int64_t record_total[RECORD_CHANNELS]; /* records sent, all of them acknowledged */
     int64_t log_bytes;                     /* length of the event log that sim writes itself; 0: none */
     double elapsed_s;
+    int has_command; /* the command for the current step was asked for ahead: this one */
+    struct wall_command command;
 };
 
 /* Writes `path` (a temporary file beside it, fsync, rename, fsync of the folder): a kill at any moment leaves the old

@@ -16,7 +16,7 @@ static void on_command(const lcm_recv_buf_t *buffer, const char *channel, void *
     struct wall_command command;
     (void)channel;
     if (!wall_command_decode(buffer->data, buffer->data_size, &header, &command) || header.run_id != exchange->run_id ||
-        header.step != exchange->asked_step || exchange->answered)
+        header.step != exchange->asked.command_step || exchange->answered)
         return;
     exchange->answer = command;
     exchange->answered = true;
@@ -67,12 +67,13 @@ static enum status call_law(struct exchange *exchange, const struct wall_state *
     return STATUS_OK;
 }
 
-static enum status wait_for_answer(struct exchange *exchange, const struct wall_state *state)
+static enum status wait_for_answer(struct exchange *exchange)
 {
+    const struct wall_state *state = &exchange->asked;
     double start = clock_now_s(), sent = start;
     while (!exchange->answered) {
         bool handled;
-        TRY(bus_handle(exchange->bus, (int)(1000 * RESEND_S), &handled));
+        TRY(bus_wait(exchange->bus, (int)(1000 * RESEND_S), exchange->scene->coupling.busy_poll, &handled));
         if (exchange->answered)
             break;
         if (stop_requested() && clock_now_s() - start > STOP_PATIENCE_S)
@@ -88,20 +89,26 @@ static enum status wait_for_answer(struct exchange *exchange, const struct wall_
             sent = now;
         }
     }
+    exchange->seq++;
     return STATUS_OK;
 }
 
-enum status exchange_walls(struct exchange *exchange, const struct wall_state *state, struct wall_command *command)
+enum status exchange_ask(struct exchange *exchange, const struct wall_state *state)
 {
-    if (exchange->replay)
-        return replay_exchange(exchange->replay, state, command);
-    if (exchange->in_process)
-        return call_law(exchange, state, command);
+    exchange->asked = *state;
     exchange->answered = false;
-    exchange->asked_step = state->step;
-    TRY(publish_state(exchange, state));
-    TRY(wait_for_answer(exchange, state));
+    if (!exchange->replay && !exchange->in_process)
+        return publish_state(exchange, state);
+    TRY(exchange->replay ? replay_exchange(exchange->replay, state, &exchange->answer)
+                         : call_law(exchange, state, &exchange->answer));
+    exchange->answered = true;
+    return STATUS_OK;
+}
+
+enum status exchange_answer(struct exchange *exchange, struct wall_command *command)
+{
+    if (!exchange->replay && !exchange->in_process)
+        TRY(wait_for_answer(exchange));
     *command = exchange->answer;
-    exchange->seq++;
     return STATUS_OK;
 }

@@ -19,7 +19,7 @@ struct exchange {
     int64_t repeated;      /* states sent again */
     bool answered;
     struct wall_command answer;
-    int64_t asked_step;
+    struct wall_state asked;
 };
 
 /* Fills `exchange`; over LCM (neither in_process nor `replay`) subscribes WALL_COMMAND. */
@@ -27,9 +27,11 @@ enum status exchange_init(struct exchange *exchange, const struct scene *scene, 
                           struct record_stream *stream, int64_t run_id, bool in_process,
                           struct replay *replay) MUST_USE;
 
-/* Asks for the command that answers `state`. STATUS_TIMEOUT after coupling.timeout_s without one,
- * STATUS_INTERRUPTED when a stop was requested meanwhile. */
-enum status exchange_walls(struct exchange *exchange, const struct wall_state *state,
-                           struct wall_command *command) MUST_USE;
+/* Asks for the command that answers `state`; it may come while other things are done. */
+enum status exchange_ask(struct exchange *exchange, const struct wall_state *state) MUST_USE;
+
+/* The command that was asked for last. STATUS_TIMEOUT after coupling.timeout_s without one, STATUS_INTERRUPTED when a
+ * stop was requested meanwhile. */
+enum status exchange_answer(struct exchange *exchange, struct wall_command *command) MUST_USE;
 
 #endif

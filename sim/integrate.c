@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "sim/drive.h"
 #include "sim/renumber.h"
 
 static void forces(struct world *world, double dt)
@@ -38,20 +39,6 @@ void integrate_forces_anew(struct world *world)
     (void)world->kernels.drift(&world->particles, 0, INFINITY);
     forces(world, 0);
     kick(world, 0);
-}
-
-/* Moves the walls along their path to the current step; true if one is too far from where the lists were built. */
-static bool move_walls(struct world *world)
-{
-    const struct wall_path *path = &world->path;
-    bool near = true;
-    double t = (double)(world->step - path->from_step) * path->dt;
-    for (int w = 0; w < world->n_walls; w++) {
-        world->walls[w].x = path->x0[w] + t * (path->v0[w] + 0.5 * t * path->a0[w]);
-        world->walls[w].v = path->v0[w] + t * path->a0[w];
-        near = near && fabs(world->walls[w].x - world->walls[w].x_list) <= 0.5 * world->neighbor.skin;
-    }
-    return !near;
 }
 
 /* Finds what the lists could not cope with; walls and particles may overlap, but not pass each other. */
@@ -109,15 +96,11 @@ enum status world_step(struct world *world)
     world->stage_step++;
     world->time_s = world->stage_time_start_s + (double)world->stage_step * world->dt;
     bool stale = world->kernels.drift(&world->particles, world->dt, 0.5 * world->neighbor.skin);
-    stale = move_walls(world) || stale;
+    stale = drive_walls(world) || stale;
     stale = stale || neighbor_is_wide(&world->neighbor, &world->particles, world->walls, world->n_walls, world->step);
     if (stale)
         TRY(renew_lists(world));
     forces(world, world->dt);
     kick(world, world->dt);
-    /* trapezoidal rule; `inward` points into the box, the force outward */
-    for (int w = 0; w < world->n_walls; w++)
-        world->ledger.work_walls += 0.5 * (force_before[w] + world->walls[w].force) * world->walls[w].inward *
-                                    (world->walls[w].x - x_before[w]);
-    return STATUS_OK;
+    return interface_step(world, x_before, force_before);
 }

@@ -143,8 +143,7 @@ static void fill_ledger(shakedown_sample_t *message, const struct world *world, 
     message->energy_residual_j = m->residual_j;
 }
 
-static enum status send_sample(struct records *records, const struct world *world, struct measurement *m,
-                               double interface_residual_j)
+static enum status send_sample(struct records *records, const struct world *world, struct measurement *m)
 {
     double x[SCENE_WALLS_MAX], v[SCENE_WALLS_MAX], force[SCENE_WALLS_MAX];
     for (int w = 0; w < world->n_walls; w++) {
@@ -176,20 +175,21 @@ static enum status send_sample(struct records *records, const struct world *worl
         .sliding_fraction = m->sliding_fraction,
         .max_overlap_ratio = m->max_overlap_ratio,
         .inertial_number = m->inertial_number,
-        .interface_residual_j = interface_residual_j,
+        .interface_residual_j = world->interface.residual_j,
+        .controller_residual_j = world->interface.controller_residual_j,
     };
     fill_ledger(&message, world, m);
     SEND(records, world, RECORD_SAMPLE, sample_t, &message);
 }
 
-enum status records_send_sample(struct records *records, const struct world *world, double interface_residual_j)
+enum status records_send_sample(struct records *records, const struct world *world)
 {
     struct measurement m;
     TRY(measure(world, &m));
     double work_j = fabs(world->ledger.work_walls) + fabs(m.work_gravity_j);
     records->residual_ratio = work_j > 0 ? m.residual_j / work_j : 0;
     records->last_sample_step = world->step;
-    return send_sample(records, world, &m, interface_residual_j);
+    return send_sample(records, world, &m);
 }
 
 /* Row-major copy of the `n` components of particles [first, first + count), in the order of ids. */

@@ -29,10 +29,8 @@ enum status records_send_start(struct records *records, const struct world *worl
 /* Has all that was recorded so far brought to disk, as a checkpoint of this state follows. */
 enum status records_send_checkpoint(struct records *records, const struct world *world, int64_t wall_states) MUST_USE;
 
-/* The state of the sample now; nothing if it was sent for this step and stage already. interface_residual_j: energy
- * mismatch at the walls accumulated by the coupling. */
-enum status records_send_sample(struct records *records, const struct world *world,
-                                double interface_residual_j) MUST_USE;
+/* The state of the sample now; nothing if it was sent for this step and stage already. */
+enum status records_send_sample(struct records *records, const struct world *world) MUST_USE;
 
 /* Particles and contacts now, in chunks. */
 enum status records_send_frame(struct records *records, const struct world *world) MUST_USE;

@@ -40,13 +40,19 @@ static const struct state_field state_fields[] = {
     FIELD(interval_s, FIELD_DOUBLE),
     FIELD(kinetic_energy_j, FIELD_DOUBLE),
     FIELD(elastic_energy_j, FIELD_DOUBLE),
+    FIELD(command_step, FIELD_INT64),
     FIELD(interface_residual_j, FIELD_DOUBLE),
+    FIELD(interface_error, FIELD_DOUBLE),
+    FIELD(interface_error_before, FIELD_DOUBLE),
     FIELD(position_m, FIELD_WALLS),
     FIELD(velocity_m_per_s, FIELD_WALLS),
     FIELD(force_n, FIELD_WALLS),
     FIELD(stiffness_n_per_m, FIELD_WALLS),
     FIELD(damping_kg_per_s, FIELD_WALLS),
     FIELD(stage_position_m, FIELD_WALLS),
+    FIELD(force_before_n, FIELD_WALLS),
+    FIELD(ahead_position_m, FIELD_WALLS),
+    FIELD(ahead_velocity_m_per_s, FIELD_WALLS),
 };
 
 static enum status integer_compare(const struct state_field *field, int64_t step, const char *recorded, const char *now)
@@ -110,7 +116,7 @@ static void on_state(const lcm_recv_buf_t *buffer, const char *channel, void *us
             status_fail(STATUS_FORMAT, "the log goes on with step %" PRId64 ", the protocol is done here", state.step);
         return;
     }
-    if (state.step < r->now->step) /* a late copy */
+    if (state.step < r->now->step || state.command_step < r->now->command_step) /* a late copy */
         return;
     r->failure = state_compare(&state, r->now);
     r->state_seen = r->failure == STATUS_OK;
@@ -127,7 +133,7 @@ static void on_command(const lcm_recv_buf_t *buffer, const char *channel, void *
         r->counts.malformed++;
         return;
     }
-    if (!belongs(r, &header) || !r->now || r->command_seen || command.step != r->now->step)
+    if (!belongs(r, &header) || !r->now || r->command_seen || command.step != r->now->command_step)
         return;
     r->command = command;
     r->command_seen = true;

@@ -42,7 +42,9 @@ struct run {
     bool resumed;               /* went on from `before` */
     struct run_progress before; /* zero for a run from the start */
     struct run_energies told;   /* with the last state */
-    double checkpoint_s;        /* when the last one was written */
+    struct wall_command command;
+    bool has_command;    /* `command` is for the current step and was asked for ahead */
+    double checkpoint_s; /* when the last one was written */
 };
 
 static const struct scene_stage *stage_of(const struct run *run)
@@ -65,7 +67,7 @@ static enum status take_sample(struct run *run)
     run->energies = (struct run_energies){.kinetic_j = measure_kinetic_energy_j(run->world),
                                           .elastic_j = elastic.normal_j + elastic.tangential_j,
                                           .step = run->world->step};
-    return run->stream ? records_send_sample(&run->records, run->world, 0) : STATUS_OK;
+    return run->stream ? records_send_sample(&run->records, run->world) : STATUS_OK;
 }
 
 static enum status take_frame(struct run *run)
@@ -156,6 +158,8 @@ static void fill_status(struct run *run, double now, shakedown_status_t *message
         .kinetic_energy_j = run->energies.kinetic_j,
         .elastic_energy_j = run->energies.elastic_j,
         .commands_repeated = run->exchange.repeated,
+        .interface_residual_j = world->interface.residual_j,
+        .controller_residual_j = world->interface.controller_residual_j,
     };
     if (run->stream) {
         message->energy_residual_ratio = run->records.residual_ratio;
@@ -205,15 +209,23 @@ static enum status look_around(struct run *run)
     return publish_status(run, &message);
 }
 
-static enum status exchange(struct run *run, struct wall_command *command)
+static enum status ask(struct run *run, struct wall_state *state)
 {
-    struct wall_state state;
-    world_wall_state(run->world, &state);
     run->told = run->energies;
-    state.kinetic_energy_j = run->told.kinetic_j;
-    state.elastic_energy_j = run->told.elastic_j;
-    state.energy_step = run->told.step;
-    return exchange_walls(&run->exchange, &state, command);
+    state->kinetic_energy_j = run->told.kinetic_j;
+    state->elastic_energy_j = run->told.elastic_j;
+    state->energy_step = run->told.step;
+    return exchange_ask(&run->exchange, state);
+}
+
+/* The command for the current step, unless it was asked for ahead. */
+static enum status take_command(struct run *run, const struct wall_state *state)
+{
+    if (run->has_command)
+        return STATUS_OK;
+    struct wall_state asking = *state;
+    TRY(ask(run, &asking));
+    return exchange_answer(&run->exchange, &run->command);
 }
 
 static enum status steps(struct run *run, int n)
@@ -224,6 +236,24 @@ static enum status steps(struct run *run, int n)
         if (run->world->step % STEPS_PER_LOOK == 0)
             TRY(look_around(run));
     }
+    return STATUS_OK;
+}
+
+/* One interval. Pipelined: the command for the next one is asked for at its start and comes meanwhile. */
+static enum status interval(struct run *run, struct wall_state *state)
+{
+    const bool ahead = run->scene->coupling.scheme == SCHEME_PIPELINED;
+    const int n = run->command.n_steps;
+    run->has_command = false;
+    if (ahead) {
+        world_wall_state_ahead(run->world, state);
+        TRY(ask(run, state));
+    }
+    TRY(steps(run, n));
+    if (!ahead)
+        return STATUS_OK;
+    TRY(exchange_answer(&run->exchange, &run->command));
+    run->has_command = run->command.n_steps > 0; /* 0: a stage begins, with a state of its own */
     return STATUS_OK;
 }
 
@@ -243,7 +273,10 @@ static struct run_progress progress_of(const struct run *run, bool answered)
                                     .frames = run->records.n_frames,
                                     .last_sample_step = run->records.last_sample_step,
                                     .last_frame_step = run->records.last_frame_step,
-                                    .elapsed_s = run->before.elapsed_s + clock_now_s() - run->start_s};
+                                    .elapsed_s = run->before.elapsed_s + clock_now_s() - run->start_s,
+                                    .has_command = run->has_command};
+    if (run->has_command)
+        progress.command = run->command;
     for (int c = 0; run->stream && c < RECORD_CHANNELS; c++)
         progress.record_total[c] = record_stream_total(run->stream, c);
     return progress;
@@ -304,25 +337,27 @@ static bool checkpoint_is_due(const struct run *run)
 /* From exchange to exchange until the controller says that the protocol is done. */
 static enum status loop(struct run *run)
 {
-    struct wall_command command;
+    struct wall_state state;
+    const struct wall_command *command = &run->command;
     for (;;) {
         if (checkpoint_is_due(run))
             TRY(save(run, false));
-        TRY(exchange(run, &command));
-        run->fraction_done = command.fraction_done;
-        bool changes = command.finished || command.stage != run->world->stage;
+        world_wall_state(run->world, &state);
+        TRY(take_command(run, &state));
+        run->fraction_done = command->fraction_done;
+        bool changes = command->finished || command->stage != run->world->stage;
         if (changes && run->world->stage >= 0) {
             TRY(record_stage_end(run));
             TRY(save(run, true));
         }
-        if (command.finished)
+        if (command->finished)
             return STATUS_OK;
-        TRY(world_command(run->world, &command));
+        TRY(world_command(run->world, command));
         if (changes) {
             run->frame_strain_next = 0;
             TRY(record_step(run));
         }
-        TRY(steps(run, command.n_steps));
+        TRY(interval(run, &state));
     }
 }
 
@@ -389,6 +424,8 @@ static void resume_progress(struct run *run)
     run->records.last_sample_step = before->last_sample_step;
     run->records.last_frame_step = before->last_frame_step;
     run->status_step = run->world->step;
+    run->has_command = before->has_command != 0;
+    run->command = before->command;
 }
 
 /* END with the totals, and the wait for its acknowledgement. The run's own failure comes before one of the records. */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "sim/checkpoint.h"
+#include "sim/drive.h"
 #include "sim/integrate.h"
 #include "sim/measure.h"
 #include "sim/renumber.h"
@@ -126,8 +127,10 @@ static void ledger_start(struct world *world)
 void world_set_law(struct world *world)
 {
     world->material = world->stage < 0 ? NULL : &world->scene->stage[world->stage].material;
-    if (world->material)
+    if (world->material) {
         world->law = contact_law_constants_of(world->material);
+        interface_set_law(world);
+    }
 }
 
 static void stage_start(struct world *world, int stage)
@@ -142,6 +145,7 @@ static void stage_start(struct world *world, int stage)
         world->stage_position_m[w] = world->walls[w].x;
     integrate_forces_anew(world);
     ledger_start(world);
+    interface_stage_start(world);
 }
 
 enum status world_command(struct world *world, const struct wall_command *command)
@@ -152,22 +156,18 @@ enum status world_command(struct world *world, const struct wall_command *comman
     if (command->stage < 0 || command->stage >= world->scene->n_stages || command->stage < world->stage)
         return status_fail(STATUS_FORMAT, "step %lld: a command for stage %d does not fit stage %d",
                            (long long)world->step, command->stage, world->stage);
+    interface_told(world);
+    interface_command(world, command);
     if (command->stage != world->stage)
         stage_start(world, command->stage);
-    world->path.from_step = world->step;
-    world->path.n_steps = command->n_steps;
-    world->path.dt = world->dt;
-    for (int w = 0; w < world->n_walls; w++) {
-        world->path.x0[w] = command->position_m[w];
-        world->path.v0[w] = command->velocity_m_per_s[w];
-        world->path.a0[w] = command->acceleration_m_per_s2[w];
-    }
+    drive_command(world, command);
     return STATUS_OK;
 }
 
 void world_wall_state(const struct world *world, struct wall_state *state)
 {
     const struct wall_path *path = &world->path;
+    const struct interface *face = &world->interface;
     memset(state, 0, sizeof *state);
     state->step = world->step;
     state->time_s = world->time_s;
@@ -175,15 +175,33 @@ void world_wall_state(const struct world *world, struct wall_state *state)
     state->stage_step = world->stage_step;
     state->stage_time_s = world->stage < 0 ? 0 : (double)world->stage_step * world->dt;
     state->interval_s = path->n_steps * path->dt;
+    state->command_step = world->step;
+    state->interface_residual_j = face->residual_j;
+    state->interface_error = face->error;
+    state->interface_error_before = face->error_before;
     state->n_walls = world->n_walls;
     for (int w = 0; w < world->n_walls; w++) {
         const struct wall *wall = &world->walls[w];
         state->position_m[w] = wall->x;
-        state->velocity_m_per_s[w] = path->v0[w] + 0.5 * state->interval_s * path->a0[w];
+        state->velocity_m_per_s[w] = drive_mean_velocity_m_per_s(world, w);
+        state->force_before_n[w] = face->force_start[w];
         state->force_n[w] = wall->force;
         state->stage_position_m[w] = world->stage_position_m[w];
     }
+    memcpy(state->ahead_position_m, state->position_m, sizeof state->ahead_position_m);
+    memcpy(state->ahead_velocity_m_per_s, state->velocity_m_per_s, sizeof state->ahead_velocity_m_per_s);
     measure_wall_stiffness(world, state->stiffness_n_per_m, state->damping_kg_per_s);
+}
+
+void world_wall_state_ahead(const struct world *world, struct wall_state *state)
+{
+    if (world->stage_step == 0) /* the stage began meanwhile */
+        world_wall_state(world, state);
+    state->command_step = world->path.from_step + world->path.n_steps;
+    for (int w = 0; w < world->n_walls; w++) {
+        state->ahead_position_m[w] = drive_end_position_m(world, w);
+        state->ahead_velocity_m_per_s[w] = drive_mean_velocity_m_per_s(world, w);
+    }
 }
 
 /* FNV-1a */

@@ -6,6 +6,7 @@
 #include "common/coupling.h"
 #include "common/scene.h"
 #include "sim/contacts.h"
+#include "sim/interface.h"
 #include "sim/kernels.h"
 #include "sim/neighbor.h"
 #include "sim/particles.h"
@@ -18,11 +19,17 @@ struct ledger {
     struct contact_losses contacts;
 };
 
+/* The command in force. x0, v0, a0 of walls with an impedance are those of the current step. */
 struct wall_path {
     int64_t from_step;
     int n_steps;
     double dt;
     double x0[SCENE_WALLS_MAX], v0[SCENE_WALLS_MAX], a0[SCENE_WALLS_MAX];
+    int32_t drive[SCENE_WALLS_MAX];                             /* enum wall_drive */
+    double force[SCENE_WALLS_MAX], force_rate[SCENE_WALLS_MAX], force_rate2[SCENE_WALLS_MAX]; /* of the command */
+    double mass[SCENE_WALLS_MAX], damping[SCENE_WALLS_MAX];
+    double v_last[SCENE_WALLS_MAX]; /* mean over the step before from_step, and its length */
+    double dt_last;
 };
 
 struct world {
@@ -33,6 +40,7 @@ struct world {
     struct wall walls[SCENE_WALLS_MAX];
     int n_walls;
     struct wall_path path;
+    struct interface interface;
     enum kernel_isa isa;
     struct kernels kernels;
     struct contact_law_constants law;
@@ -73,6 +81,9 @@ enum status world_step(struct world *world) MUST_USE;
 
 /* What the controller is told; energies are filled by the caller. */
 void world_wall_state(const struct world *world, struct wall_state *state);
+
+/* Makes `state`, told when the interval in force began, ask for the command after it (pipelined). */
+void world_wall_state_ahead(const struct world *world, struct wall_state *state);
 
 /* Length of the box along component c [m]. */
 double world_box_length_m(const struct world *world, int c);

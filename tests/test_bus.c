@@ -228,7 +228,10 @@ static struct wall_state some_state(int n_walls)
                                .kinetic_energy_j = 1.5,
                                .elastic_energy_j = 2.5,
                                .energy_step = 6,
+                               .command_step = 8,
                                .interface_residual_j = -0.0,
+                               .interface_error = 0.25,
+                               .interface_error_before = 0.125,
                                .n_walls = n_walls};
     for (int k = 0; k < n_walls; k++) {
         state.position_m[k] = 1 + k;
@@ -237,6 +240,9 @@ static struct wall_state some_state(int n_walls)
         state.stiffness_n_per_m[k] = 30.3 + k;
         state.damping_kg_per_s[k] = 40.4 + k;
         state.stage_position_m[k] = 50.5 + k;
+        state.force_before_n[k] = 60.6 + k;
+        state.ahead_position_m[k] = 70.7 + k;
+        state.ahead_velocity_m_per_s[k] = 80.8 + k;
     }
     return state;
 }
@@ -262,11 +268,21 @@ static void walls_survive_the_bus(void **unused)
         command.position_m[1] = 1.25;
         command.velocity_m_per_s[2] = -0.0;
         command.acceleration_m_per_s2[n_walls - 1] = 1e300;
+        command.drive[n_walls - 2] = DRIVE_IMPEDANCE;
+        command.force_n[1] = 4.5;
+        command.force_rate_n_per_s[2] = 5.5;
+        command.force_rate2_n_per_s2[3] = 8.5;
+        command.mass_kg[3] = 6.5;
+        command.damping_kg_per_s[0] = 7.5;
         size = wall_command_encode(&command, 11, 13, 0.25, first);
         assert_true(wall_command_decode(first, size, &header, &command_back));
         assert_int_equal(wall_command_encode(&command_back, 11, 13, 0.25, second), size);
         assert_memory_equal(first, second, size);
         assert_true(command_back.finished && command_back.n_steps == 3 && command_back.position_m[1] == 1.25);
+        assert_int_equal(command_back.drive[n_walls - 2], DRIVE_IMPEDANCE);
+        assert_true(command_back.force_n[1] == 4.5 && command_back.force_rate_n_per_s[2] == 5.5);
+        assert_true(command_back.force_rate2_n_per_s2[3] == 8.5);
+        assert_true(command_back.mass_kg[3] == 6.5 && command_back.damping_kg_per_s[0] == 7.5);
     }
 }
 
@@ -281,7 +297,7 @@ static void hostile_messages_are_refused(void **unused)
     size_t size = wall_state_encode(&state, 11, 12, bytes);
     for (size_t length = 0; length < WALL_MESSAGE_MAX; length++)
         assert_true(wall_state_decode(bytes, length, &header, &back) == (length == size));
-    unsigned char *count_at = bytes + size - 4 * 6 * sizeof(double) - 4;
+    unsigned char *count_at = bytes + size - 4 * WALL_STATE_ARRAYS * sizeof(double) - 4;
     assert_int_equal(count_at[3], 4);
     for (size_t k = 0; k < sizeof counts / sizeof counts[0]; k++) {
         for (int byte = 0; byte < 4; byte++)

@@ -398,7 +398,7 @@ static struct scene *condition_scene(struct wall_state *state)
     scene->stage[0].min_duration_s = 0.1;
     *state = fixture_state(4, 1);
     state->stage = 0;
-    state->step = 5100;
+    state->step = state->command_step = 5100;
     state->stage_step = 100;
     state->energy_step = 5090;
     state->kinetic_energy_j = 0.9e-3;

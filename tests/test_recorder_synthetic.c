@@ -260,6 +260,7 @@ static void add_wall_exchange(struct synthetic_run *run, int64_t state)
 {
     int n_walls = 2 * run->options.dimension;
     double force_n[6], zeros[6] = {0};
+    int32_t drive[6] = {0};
     for (int w = 0; w < n_walls; w++)
         force_n[w] = synthetic_wall_force(state, w);
     union message message = {.wall_state = {.step = 5 * state,
@@ -271,15 +272,24 @@ static void add_wall_exchange(struct synthetic_run *run, int64_t state)
                                             .force_n = force_n,
                                             .stiffness_n_per_m = force_n,
                                             .damping_kg_per_s = zeros,
-                                            .stage_position_m = zeros}};
+                                            .stage_position_m = zeros,
+                                            .force_before_n = zeros,
+                                            .ahead_position_m = force_n,
+                                            .ahead_velocity_m_per_s = force_n}};
     synthetic_add(run, MESSAGE_WALL_STATE, &message);
     message = (union message){.wall_command = {.step = 5 * state,
                                                .time_s = 1e-6 * (double)state,
                                                .n_steps = 5,
                                                .n_walls = n_walls,
+                                               .drive = drive,
                                                .position_m = force_n,
                                                .velocity_m_per_s = force_n,
-                                               .acceleration_m_per_s2 = zeros}};
+                                               .acceleration_m_per_s2 = zeros,
+                                               .force_n = force_n,
+                                               .force_rate_n_per_s = zeros,
+                                               .force_rate2_n_per_s2 = zeros,
+                                               .mass_kg = zeros,
+                                               .damping_kg_per_s = zeros}};
     synthetic_add(run, MESSAGE_WALL_COMMAND, &message);
 }
 

@@ -273,8 +273,8 @@ static void nonsense_send(struct bench *b, const struct wall_state *state)
     end_send(&b->bus, RUN + 1);
     must(bus_publish(&b->bus, CHANNEL_WALL_STATE, bytes, size - 1));
     must(bus_publish(&b->bus, CHANNEL_WALL_STATE, "?", 1));
-    must(bus_publish(&b->bus, "END", bytes, size));  /* another type */
-    bytes[size - 4 * 6 * sizeof(double) - 4] = 0x20; /* 2^29 + 4 walls */
+    must(bus_publish(&b->bus, "END", bytes, size));                  /* another type */
+    bytes[size - 4 * WALL_STATE_ARRAYS * sizeof(double) - 4] = 0x20; /* 2^29 + 4 walls */
     must(bus_publish(&b->bus, CHANNEL_WALL_STATE, bytes, size));
     struct wall_state refused = *state;
     refused.stage = 99;
@@ -387,7 +387,7 @@ static void log_write(const struct bench *b, enum damage damage)
         must(bus_publish(&log, CHANNEL_WALL_STATE, bytes, wall_state_encode(&state, RUN, k, bytes)));
         size_t size = wall_command_encode(&follower.last, RUN, k, state.time_s, bytes);
         if (damage == DAMAGE_BIT && k == 40)
-            bytes[size - 1] ^= 1; /* last bit of the last wall's acceleration */
+            bytes[size - 1] ^= 1; /* last bit of the last wall's damping */
         if (damage != DAMAGE_NO_COMMANDS)
             must(bus_publish(&log, CHANNEL_WALL_COMMAND, bytes, size));
     }
@@ -420,7 +420,7 @@ static void a_replay_finds_one_wrong_bit(void **fixture)
     struct bench *b = *fixture;
     char errors[4096];
     assert_int_equal(replay(b, DAMAGE_BIT, errors), 6);
-    assert_non_null(strstr(errors, "step 118: acceleration_m_per_s2[3]")); /* 100 + 6 x 3 */
+    assert_non_null(strstr(errors, "step 118: damping_kg_per_s[3]")); /* 100 + 6 x 3 */
 }
 
 static void a_replay_wants_end_and_commands(void **fixture)

@@ -71,6 +71,7 @@ void fixture_advance(const struct scene *scene, const struct wall_command *comma
         state->velocity_m_per_s[wall] = v + 0.5 * a * h;
     }
     state->step += command->n_steps;
+    state->command_step = state->step;
     state->stage_step += command->n_steps;
     state->stage_time_s = (double)state->stage_step * dt_s;
     state->time_s += h;

@@ -78,7 +78,7 @@ static enum status loop(struct controller *c)
     double stop_at_s = 0; /* 0: not asked to */
     while (!c->ended && c->failure == STATUS_OK) {
         bool handled = false;
-        TRY(bus_handle(c->bus, WAIT_STEP_MS, &handled));
+        TRY(bus_wait(c->bus, WAIT_STEP_MS, c->scene->coupling.busy_poll, &handled));
         if (!stop_requested())
             continue;
         if (stop_at_s <= 0)

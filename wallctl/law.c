@@ -1,111 +1,54 @@
 #include "wallctl/law.h"
 
-#include <float.h>
 #include <inttypes.h>
 #include <limits.h>
 #include <math.h>
 
 #include "wallctl/protocol.h"
-
-static const double PI = 3.14159265358979323846;
+#include "wallctl/stress.h"
 
 /* What the motion of one pair of walls over the coming interval is computed from. */
 struct pair_control {
     const struct scene *scene;
     const struct wall_state *state;
+    struct wall_state foreseen[2]; /* positions in the middle and at the end of the interval: of strain control
+                                          as commanded, of the others as they move now */
     const struct moment *moment;
     const struct scene_axis *axis;
-    int lo, hi;             /* indices of its walls */
-    double start_s, end_s;  /* the interval, in the time of the stage */
-    double interval_s;      /* H */
+    int lo, hi;            /* indices of its walls */
+    double start_s, end_s; /* the interval, in the time of the stage */
+    double interval_s;     /* H */
+    int n_steps;
     double last_interval_s; /* of the interval that ended here; 0: none */
 };
 
-/* v(t) = velocity + acceleration t */
-struct motion {
-    double velocity_m_per_s, acceleration_m_per_s2;
-};
-
-double wallctl_target_pressure_pa(const struct scene_axis *axis, double t_s)
-{
-    switch (axis->target) {
-    case TARGET_RAMP:
-        if (t_s >= axis->ramp_s)
-            return axis->pressure_end_pa;
-        return axis->pressure_pa + (axis->pressure_end_pa - axis->pressure_pa) * (t_s / axis->ramp_s);
-    case TARGET_COSINE:
-        return axis->pressure_pa + 0.5 * axis->amplitude_pa * (1 - cos(2 * PI * t_s / axis->period_s));
-    default:
-        return axis->pressure_pa;
-    }
-}
-
-/* Phase omega t of the strain path; pi from its end on. */
-static double strain_phase(const struct scene_axis *axis, double t_s)
-{
-    return fmin(PI, 2 * PI * axis->frequency_hz * t_s);
-}
-
-double wallctl_strain_length_m(const struct scene_axis *axis, double z0_m, double t_s)
-{
-    double zf_m = z0_m * (1 - axis->strain);
-    double phase = strain_phase(axis, t_s);
-    if (phase >= PI)
-        return zf_m;
-    return zf_m + 0.5 * (z0_m - zf_m) * (1 + cos(phase));
-}
-
-double wallctl_strain_rate_m_per_s(const struct scene_axis *axis, double z0_m, double t_s)
-{
-    double phase = strain_phase(axis, t_s);
-    if (phase >= PI)
-        return 0;
-    return -0.5 * z0_m * axis->strain * (2 * PI * axis->frequency_hz) * sin(phase);
-}
-
 /* Strain control of one wall that takes `share` of the change in length (signed: +1 the upper wall, -1 the lower).
  * Quadratic: the path's rate at the start, its position at the end, so that no error adds up. */
-static struct motion strain_motion(const struct pair_control *c, int wall, double share)
+static struct wall_motion strain_motion(const struct pair_control *c, int wall, double share)
 {
     const double *start_m = c->moment->stage_position_m;
     double z0_m = start_m[c->hi] - start_m[c->lo];
-    if (strain_phase(c->axis, c->start_s) >= PI) /* there: at rest, not chasing the last bit */
-        return (struct motion){0, 0};
+    if (wallctl_strain_done(c->axis, c->start_s)) /* there: at rest, not chasing the last bit */
+        return (struct wall_motion){0, 0};
     double rate = share * wallctl_strain_rate_m_per_s(c->axis, z0_m, c->start_s);
     double end_m = start_m[wall] + share * (wallctl_strain_length_m(c->axis, z0_m, c->end_s) - z0_m);
     double way_m = end_m - c->state->position_m[wall];
     double h = c->interval_s;
-    return (struct motion){rate, 2 * (way_m - rate * h) / (h * h)};
+    return (struct wall_motion){rate, 2 * (way_m - rate * h) / (h * h)};
 }
 
-/* m dv/dt = net - gamma v over the time T, net constant: exact, and so right for m -> 0 and gamma -> 0 as well. */
-static double velocity_after(const struct scene_axis *axis, double t_s, double velocity_m_per_s, double net_n)
+/* The pair of walls as a loop for wallctl/stress.h; forces and velocities by the caller. */
+static struct stress_loop loop_of(const struct pair_control *c, double target_pa)
 {
-    double mass_kg = axis->mass_kg, gamma_kg_per_s = axis->damping_kg_per_s;
-    if (!(mass_kg > 0))
-        return net_n / gamma_kg_per_s;
-    double x = gamma_kg_per_s * t_s / mass_kg;
-    if (x < 0.25 * DBL_EPSILON) /* the limit, to the last bit; below, gamma may be too small to divide by */
-        return velocity_m_per_s + net_n * t_s / mass_kg;
-    return exp(-x) * velocity_m_per_s - expm1(-x) / gamma_kg_per_s * net_n;
+    return (struct stress_loop){.mass_kg = c->axis->mass_kg,
+                                .damping_kg_per_s = c->axis->damping_kg_per_s,
+                                .last_interval_s = c->last_interval_s,
+                                .interval_s = c->interval_s,
+                                .one_step = c->n_steps == 1,
+                                .target_n = target_pa * walls_area_m2(c->state, c->hi / 2)};
 }
 
-/* Stress control [LH eq. 1.2], outward. Staggered leapfrog: mean velocities belong to the middles of the intervals,
- * the force to the moment between them. Over one step the velocity is the straight line through both middles, so that
- * contacts see the wall's velocity with second order; over longer intervals the new mean velocity is held. */
-static struct motion stress_motion(const struct pair_control *c, double last_velocity_m_per_s, double force_n,
-                                   double pressure_pa)
-{
-    double apart_s = 0.5 * (c->last_interval_s + c->interval_s);
-    double net_n = force_n - pressure_pa * walls_area_m2(c->state, c->hi / 2);
-    double velocity = velocity_after(c->axis, apart_s, last_velocity_m_per_s, net_n);
-    if (c->scene->coupling.interval_steps != 1)
-        return (struct motion){velocity, 0};
-    double acceleration = (velocity - last_velocity_m_per_s) / apart_s;
-    return (struct motion){velocity - 0.5 * acceleration * c->interval_s, acceleration};
-}
-
-static void motion_set(struct wall_command *command, int wall, double sign, struct motion motion)
+static void motion_set(struct wall_command *command, int wall, double sign, struct wall_motion motion)
 {
     command->velocity_m_per_s[wall] = sign * motion.velocity_m_per_s;
     command->acceleration_m_per_s2[wall] = sign * motion.acceleration_m_per_s2;
@@ -121,20 +64,88 @@ static void strain_pair(const struct pair_control *c, struct wall_command *comma
     }
 }
 
+static void loop_set(struct wall_command *command, int wall, double sign, const struct stress_motion *motion)
+{
+    motion_set(command, wall, sign, motion->motion);
+    command->drive[wall] = DRIVE_LOOP;
+    command->force_n[wall] = motion->force_n;
+}
+
+/* One wall as a degree of freedom of its own; sign: +1 the upper wall, -1 the lower. */
+static void stress_wall(const struct pair_control *c, int wall, double sign, double target_pa,
+                        struct wall_command *command)
+{
+    const struct wall_state *state = c->state;
+    struct stress_loop loop = loop_of(c, target_pa);
+    loop.stiffness_n_per_m = state->stiffness_n_per_m[wall];
+    loop.contact_damping_kg_per_s = state->damping_kg_per_s[wall];
+    loop.velocity_m_per_s = sign * state->velocity_m_per_s[wall];
+    loop.force_n = state->force_n[wall];
+    struct stress_motion motion = stress_motion(c->scene->coupling.scheme, &loop);
+    loop_set(command, wall, sign, &motion);
+}
+
+/* Both walls alike: one degree of freedom of that mass and damping, with the mean of both forces. */
+static void stress_mirror(const struct pair_control *c, double target_pa, struct wall_command *command)
+{
+    const struct wall_state *s = c->state;
+    struct stress_loop loop = loop_of(c, target_pa);
+    loop.stiffness_n_per_m = 0.5 * (s->stiffness_n_per_m[c->hi] + s->stiffness_n_per_m[c->lo]);
+    loop.contact_damping_kg_per_s = 0.5 * (s->damping_kg_per_s[c->hi] + s->damping_kg_per_s[c->lo]);
+    loop.velocity_m_per_s = 0.5 * (s->velocity_m_per_s[c->hi] + -s->velocity_m_per_s[c->lo]);
+    loop.force_n = 0.5 * (s->force_n[c->hi] + s->force_n[c->lo]);
+    struct stress_motion motion = stress_motion(c->scene->coupling.scheme, &loop);
+    loop_set(command, c->hi, 1, &motion);
+    loop_set(command, c->lo, -1, &motion);
+}
+
+/* The loop goes to sim: mass, damping, and the driving force p A, a parabola through its start, middle and end; exact at
+ * the start, later as far as the other walls are foreseen. */
+static void impedance_wall(const struct pair_control *c, int wall, enum wall_drive drive,
+                           double (*target_pa)(const struct scene_axis *axis, double t_s), struct wall_command *command)
+{
+    const int pair = c->hi / 2;
+    const double h = c->interval_s, middle_s = 0.5 * (c->start_s + c->end_s);
+    const double start_n = target_pa(c->axis, c->start_s) * walls_area_m2(c->state, pair);
+    const double middle_n = target_pa(c->axis, middle_s) * walls_area_m2(&c->foreseen[0], pair);
+    const double end_n = target_pa(c->axis, c->end_s) * walls_area_m2(&c->foreseen[1], pair);
+    command->drive[wall] = drive;
+    command->mass_kg[wall] = c->axis->mass_kg;
+    command->damping_kg_per_s[wall] = c->axis->damping_kg_per_s;
+    command->force_n[wall] = start_n;
+    command->force_rate_n_per_s[wall] = (4 * (middle_n - start_n) - (end_n - start_n)) / h;
+    command->force_rate2_n_per_s2[wall] = 4 * ((end_n - middle_n) - (middle_n - start_n)) / (h * h);
+}
+
+static double constant_pressure_pa(const struct scene_axis *axis, double t_s)
+{
+    (void)t_s;
+    return axis->pressure_pa;
+}
+
+static void impedance_pair(const struct pair_control *c, struct wall_command *command)
+{
+    bool mirror = c->axis->opposite == OPPOSITE_MIRROR;
+    enum wall_drive drive = mirror ? DRIVE_IMPEDANCE_MIRROR : DRIVE_IMPEDANCE;
+    impedance_wall(c, c->hi, drive, wallctl_target_pressure_pa, command);
+    if (mirror)
+        impedance_wall(c, c->lo, drive, wallctl_target_pressure_pa, command);
+    else if (c->axis->opposite == OPPOSITE_CONSTANT)
+        impedance_wall(c, c->lo, drive, constant_pressure_pa, command);
+}
+
 static void stress_pair(const struct pair_control *c, struct wall_command *command)
 {
-    double hi_n = c->state->force_n[c->hi], lo_n = c->state->force_n[c->lo];
-    double hi_velocity = c->state->velocity_m_per_s[c->hi], lo_velocity = -c->state->velocity_m_per_s[c->lo];
     double target_pa = wallctl_target_pressure_pa(c->axis, c->start_s);
-    if (c->axis->opposite == OPPOSITE_MIRROR) { /* one degree of freedom */
-        struct motion motion = stress_motion(c, 0.5 * (hi_velocity + lo_velocity), 0.5 * (hi_n + lo_n), target_pa);
-        motion_set(command, c->hi, 1, motion);
-        motion_set(command, c->lo, -1, motion);
-        return;
+    if (c->scene->coupling.scheme == SCHEME_IMPEDANCE) {
+        impedance_pair(c, command);
+    } else if (c->axis->opposite == OPPOSITE_MIRROR) {
+        stress_mirror(c, target_pa, command);
+    } else {
+        stress_wall(c, c->hi, 1, target_pa, command);
+        if (c->axis->opposite == OPPOSITE_CONSTANT)
+            stress_wall(c, c->lo, -1, c->axis->pressure_pa, command);
     }
-    motion_set(command, c->hi, 1, stress_motion(c, hi_velocity, hi_n, target_pa));
-    if (c->axis->opposite == OPPOSITE_CONSTANT)
-        motion_set(command, c->lo, -1, stress_motion(c, lo_velocity, lo_n, c->axis->pressure_pa));
 }
 
 static bool all_finite(const double *values, int count)
@@ -145,13 +156,18 @@ static bool all_finite(const double *values, int count)
     return true;
 }
 
-/* Stiffness and damping of the contacts are not used by this law and not checked. */
 static bool state_is_finite(const struct wall_state *s)
 {
-    const double scalars[] = {s->time_s, s->stage_time_s, s->interval_s, s->kinetic_energy_j, s->elastic_energy_j};
-    return all_finite(scalars, sizeof scalars / sizeof scalars[0]) && all_finite(s->position_m, s->n_walls) &&
-           all_finite(s->velocity_m_per_s, s->n_walls) && all_finite(s->force_n, s->n_walls) &&
-           all_finite(s->stage_position_m, s->n_walls);
+    const double scalars[] = {
+        s->time_s,          s->stage_time_s,          s->interval_s, s->kinetic_energy_j, s->elastic_energy_j,
+        s->interface_error, s->interface_error_before};
+    const double *walls[] = {s->position_m,        s->velocity_m_per_s, s->force_n,
+                             s->stiffness_n_per_m, s->damping_kg_per_s, s->stage_position_m,
+                             s->force_before_n,    s->ahead_position_m, s->ahead_velocity_m_per_s};
+    for (size_t k = 0; k < sizeof walls / sizeof walls[0]; k++)
+        if (!all_finite(walls[k], s->n_walls))
+            return false;
+    return all_finite(scalars, sizeof scalars / sizeof scalars[0]);
 }
 
 static enum status state_check(const struct scene *scene, const struct wall_state *state)
@@ -159,6 +175,10 @@ static enum status state_check(const struct scene *scene, const struct wall_stat
     if (state->n_walls != scene_wall_count(scene))
         return status_fail(STATUS_FORMAT, "the wall state of step %" PRId64 " has %d walls, the scene %d", state->step,
                            state->n_walls, scene_wall_count(scene));
+    if (state->command_step < state->step || (state->stage < 0 && state->command_step > state->step))
+        return status_fail(STATUS_FORMAT,
+                           "the wall state of step %" PRId64 " in stage %d asks for a command for step %" PRId64,
+                           state->step, state->stage, state->command_step);
     if (state->stage < -1 || state->stage >= scene->n_stages || state->stage_step < 0)
         return status_fail(STATUS_FORMAT,
                            "the wall state of step %" PRId64 " is in stage %d, step %" PRId64 "; the scene has %" PRId64
@@ -176,13 +196,30 @@ static enum status state_check(const struct scene *scene, const struct wall_stat
     return STATUS_OK;
 }
 
+/* adaptive: the next interval from the energy mismatch at the walls in the last two, a PI controller of the step size
+ * (Gustafsson 1991; as of ECCO, Sadjina et al. 2017) for a mismatch that grows with the square of the interval. */
+static int64_t adaptive_steps(const struct scene *scene, const struct wall_state *state, const struct moment *moment)
+{
+    const double order = 2, integral = 0.3 / order, proportional = 0.4 / order, least = 1e-3;
+    const double tolerance = scene->coupling.tolerance;
+    if (moment->stage_step == 0)
+        return 1;
+    double error = fmax(state->interface_error / tolerance, least);
+    double before = fmax(state->interface_error_before / tolerance, least);
+    double factor = 0.9 * pow(error, -integral) * pow(before / error, proportional);
+    double steps = round(state->interval_s / moment->stage->dt_s) * fmin(2, fmax(0.25, factor));
+    return (int64_t)fmax(1, fmin(steps + 0.5, (double)scene->coupling.interval_steps));
+}
+
 /* Fills in everything but the motion; walls rest where they are. */
 static void command_start(const struct scene *scene, const struct wall_state *state, const struct moment *moment,
                           struct wall_command *command)
 {
-    int64_t n_steps = moment->steps_left;
-    if (n_steps > scene->coupling.interval_steps)
-        n_steps = scene->coupling.interval_steps;
+    int64_t n_steps = scene->coupling.interval_steps;
+    if (scene->coupling.scheme == SCHEME_ADAPTIVE)
+        n_steps = adaptive_steps(scene, state, moment);
+    if (n_steps > moment->steps_left)
+        n_steps = moment->steps_left;
     *command = (struct wall_command){.step = state->step,
                                      .stage = moment->stage_index,
                                      .finished = n_steps == 0,
@@ -193,31 +230,84 @@ static void command_start(const struct scene *scene, const struct wall_state *st
         command->position_m[wall] = state->position_m[wall];
 }
 
-enum status wallctl_law(const struct scene *scene, const struct wall_state *state, struct wall_command *command)
+/* The state expected at command_step: where the command in force leads to, and forces that go on as they went. */
+static struct wall_state state_ahead(const struct wall_state *state, const struct scene *scene)
 {
-    TRY(state_check(scene, state));
-    struct moment moment = protocol_moment(scene, state);
-    command_start(scene, state, &moment, command);
-    if (command->finished)
+    struct wall_state ahead = *state;
+    const int64_t steps = state->command_step - state->step;
+    if (steps == 0)
+        return ahead;
+    const double interval_s = (double)steps * scene->stage[state->stage].dt_s;
+    const double part = state->interval_s > 0 && state->stage_step > 0 ? interval_s / state->interval_s : 0;
+    ahead.step += steps;
+    ahead.stage_step += steps;
+    ahead.stage_time_s += interval_s;
+    ahead.time_s += interval_s;
+    ahead.energy_step += steps; /* as fresh as it was */
+    ahead.interval_s = interval_s;
+    for (int wall = 0; wall < state->n_walls; wall++) {
+        ahead.position_m[wall] = state->ahead_position_m[wall];
+        ahead.velocity_m_per_s[wall] = state->ahead_velocity_m_per_s[wall];
+        ahead.force_n[wall] += part * (state->force_n[wall] - state->force_before_n[wall]);
+    }
+    return ahead;
+}
+
+/* Where the walls will be at t in the interval: commanded paths, and the others as they move now. */
+static struct wall_state foresee(const struct wall_state *state, const struct wall_command *command, const bool *strain,
+                                 double t_s)
+{
+    struct wall_state foreseen = *state;
+    for (int wall = 0; wall < state->n_walls; wall++) {
+        double v = command->velocity_m_per_s[wall] + 0.5 * t_s * command->acceleration_m_per_s2[wall];
+        foreseen.position_m[wall] += t_s * (strain[wall / 2] ? v : state->velocity_m_per_s[wall]);
+    }
+    return foreseen;
+}
+
+static void move_walls(struct pair_control *c, struct wall_command *command)
+{
+    const int pairs = c->state->n_walls / 2;
+    bool strain[SCENE_AXES] = {false};
+    for (int mode = WALL_STRAIN; mode <= WALL_STRESS; mode++) { /* strain first: stress looks at where it leads */
+        if (mode == WALL_STRESS)
+            for (int part = 0; part < 2; part++)
+                c->foreseen[part] = foresee(c->state, command, strain, 0.5 * (part + 1) * c->interval_s);
+        for (int pair = 0; pair < pairs; pair++) {
+            c->axis = &c->moment->stage->axis[scene_pair_axis(c->scene, pair)];
+            c->lo = 2 * pair;
+            c->hi = 2 * pair + 1;
+            strain[pair] = strain[pair] || c->axis->mode == WALL_STRAIN;
+            if (c->axis->mode == mode)
+                (mode == WALL_STRAIN ? strain_pair : stress_pair)(c, command);
+        }
+    }
+}
+
+enum status wallctl_law(const struct scene *scene, const struct wall_state *told, struct wall_command *command)
+{
+    TRY(state_check(scene, told));
+    const struct wall_state state = state_ahead(told, scene);
+    struct moment moment = protocol_moment(scene, &state);
+    command_start(scene, &state, &moment, command);
+    if (told->command_step > told->step && (command->finished || command->stage != told->stage)) {
+        command->finished = false; /* a stage, and the end of the protocol, begin with a state of their own */
+        command->stage = told->stage;
+        command->n_steps = 0;
+    }
+    if (command->n_steps == 0)
         return STATUS_OK;
     struct pair_control c = {.scene = scene,
-                             .state = state,
+                             .state = &state,
                              .moment = &moment,
                              .start_s = (double)moment.stage_step * moment.stage->dt_s,
                              .end_s = (double)(moment.stage_step + command->n_steps) * moment.stage->dt_s,
                              .interval_s = command->n_steps * moment.stage->dt_s,
-                             .last_interval_s = state->interval_s};
-    for (int pair = 0; pair < state->n_walls / 2; pair++) {
-        c.axis = &moment.stage->axis[scene_pair_axis(scene, pair)];
-        c.lo = 2 * pair;
-        c.hi = 2 * pair + 1;
-        if (c.axis->mode == WALL_STRAIN)
-            strain_pair(&c, command);
-        else if (c.axis->mode == WALL_STRESS)
-            stress_pair(&c, command);
-    }
+                             .n_steps = command->n_steps,
+                             .last_interval_s = state.interval_s};
+    move_walls(&c, command);
     if (!all_finite(command->velocity_m_per_s, command->n_walls) ||
         !all_finite(command->acceleration_m_per_s2, command->n_walls))
-        return status_fail(STATUS_UNSTABLE, "at step %" PRId64 " the command of a wall is not finite", state->step);
+        return status_fail(STATUS_UNSTABLE, "at step %" PRId64 " the command of a wall is not finite", state.step);
     return STATUS_OK;
 }

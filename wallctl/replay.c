@@ -78,6 +78,13 @@ static enum status command_compare(const struct wall_command *recorded, const st
     TRY(doubles_compare(step, "fraction_done", &recorded->fraction_done, &now->fraction_done, 1));
     TRY(doubles_compare(step, "position_m", recorded->position_m, now->position_m, n));
     TRY(doubles_compare(step, "velocity_m_per_s", recorded->velocity_m_per_s, now->velocity_m_per_s, n));
+    for (int wall = 0; wall < n; wall++)
+        TRY(integer_compare(step, "drive", recorded->drive[wall], now->drive[wall]));
+    TRY(doubles_compare(step, "force_n", recorded->force_n, now->force_n, n));
+    TRY(doubles_compare(step, "force_rate_n_per_s", recorded->force_rate_n_per_s, now->force_rate_n_per_s, n));
+    TRY(doubles_compare(step, "force_rate2_n_per_s2", recorded->force_rate2_n_per_s2, now->force_rate2_n_per_s2, n));
+    TRY(doubles_compare(step, "mass_kg", recorded->mass_kg, now->mass_kg, n));
+    TRY(doubles_compare(step, "damping_kg_per_s", recorded->damping_kg_per_s, now->damping_kg_per_s, n));
     return doubles_compare(step, "acceleration_m_per_s2", recorded->acceleration_m_per_s2, now->acceleration_m_per_s2,
                            n);
 }

@@ -1,0 +1,117 @@
+#include "sim/drive.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/wall_motion.h"
+
+double drive_force_n(const struct wall_path *path, int w, double tau_s)
+{
+    return path->force[w] + tau_s * (path->force_rate[w] + 0.5 * tau_s * path->force_rate2[w]);
+}
+
+static bool has_impedance(const struct wall_path *path, int w)
+{
+    return path->drive[w] == DRIVE_IMPEDANCE || path->drive[w] == DRIVE_IMPEDANCE_MIRROR;
+}
+
+void drive_command(struct world *world, const struct wall_command *command)
+{
+    struct wall_path *path = &world->path;
+    const size_t bytes = (size_t)world->n_walls * sizeof(double);
+    const bool moved = path->n_steps > 0;
+    for (int w = 0; w < world->n_walls; w++) {
+        double t = has_impedance(path, w) ? path->dt : path->n_steps * path->dt;
+        path->v_last[w] = path->v0[w] + (t - 0.5 * path->dt) * path->a0[w];
+        if (!moved)
+            path->v_last[w] = 0;
+        path->drive[w] = command->drive[w];
+    }
+    path->dt_last = moved ? path->dt : 0;
+    path->from_step = world->step;
+    path->n_steps = command->n_steps;
+    path->dt = world->dt;
+    memcpy(path->x0, command->position_m, bytes);
+    memcpy(path->v0, command->velocity_m_per_s, bytes);
+    memcpy(path->a0, command->acceleration_m_per_s2, bytes);
+    memcpy(path->force, command->force_n, bytes);
+    memcpy(path->force_rate, command->force_rate_n_per_s, bytes);
+    memcpy(path->force_rate2, command->force_rate2_n_per_s2, bytes);
+    memcpy(path->mass, command->mass_kg, bytes);
+    memcpy(path->damping, command->damping_kg_per_s, bytes);
+}
+
+/* One step of wall w under its impedance; `sign`: of its outward direction. */
+static void impedance_step(struct world *world, int w, double sign, struct wall_motion motion)
+{
+    struct wall_path *path = &world->path;
+    path->x0[w] = world->walls[w].x;
+    path->v0[w] = sign * motion.velocity_m_per_s;
+    path->a0[w] = sign * motion.acceleration_m_per_s2;
+    path->v_last[w] = path->v0[w] + 0.5 * path->dt * path->a0[w];
+}
+
+/* The motion over the coming step, outward; `tau` is the time since the command. */
+static struct wall_motion impedance_motion(const struct wall_path *path, int w, double dt_last, double tau,
+                                           double last_m_per_s, double force_n)
+{
+    double net_n = force_n - drive_force_n(path, w, tau);
+    return wall_motion_step(path->mass[w], path->damping[w], dt_last, path->dt, last_m_per_s, net_n);
+}
+
+/* The walls of a pair that have an impedance, from the forces of the step before. */
+static void impedance_pair(struct world *world, int lo, double dt_last, double tau)
+{
+    const struct wall_path *path = &world->path;
+    const int hi = lo + 1;
+    /* at the start as told to the controller: before a new stage's material */
+    const bool first = world->step == path->from_step + 1;
+    const double force_lo = first ? world->interface.force_start[lo] : world->walls[lo].force;
+    const double force_hi = first ? world->interface.force_start[hi] : world->walls[hi].force;
+    if (path->drive[hi] == DRIVE_IMPEDANCE_MIRROR) {
+        double last = 0.5 * (path->v_last[hi] + -path->v_last[lo]), force = 0.5 * (force_hi + force_lo);
+        struct wall_motion motion = impedance_motion(path, hi, dt_last, tau, last, force);
+        impedance_step(world, hi, 1, motion);
+        impedance_step(world, lo, -1, motion);
+        return;
+    }
+    if (path->drive[hi] == DRIVE_IMPEDANCE)
+        impedance_step(world, hi, 1, impedance_motion(path, hi, dt_last, tau, path->v_last[hi], force_hi));
+    if (path->drive[lo] == DRIVE_IMPEDANCE)
+        impedance_step(world, lo, -1, impedance_motion(path, lo, dt_last, tau, -path->v_last[lo], force_lo));
+}
+
+bool drive_walls(struct world *world)
+{
+    struct wall_path *path = &world->path;
+    const int64_t steps = world->step - path->from_step; /* since the command, with the one that begins here */
+    const double dt_last = steps == 1 ? path->dt_last : path->dt;
+    bool near = true;
+    for (int lo = 0; lo < world->n_walls; lo += 2)
+        impedance_pair(world, lo, dt_last, (double)(steps - 1) * path->dt);
+    for (int w = 0; w < world->n_walls; w++) {
+        double t = has_impedance(path, w) ? path->dt : (double)steps * path->dt;
+        world->walls[w].x = path->x0[w] + t * (path->v0[w] + 0.5 * t * path->a0[w]);
+        world->walls[w].v = path->v0[w] + t * path->a0[w];
+        near = near && fabs(world->walls[w].x - world->walls[w].x_list) <= 0.5 * world->neighbor.skin;
+    }
+    return !near;
+}
+
+double drive_end_position_m(const struct world *world, int w)
+{
+    const struct wall_path *path = &world->path;
+    double t = (double)(path->from_step + path->n_steps - world->step) * path->dt;
+    if (has_impedance(path, w))
+        return world->walls[w].x + t * world->walls[w].v;
+    t = (double)path->n_steps * path->dt;
+    return path->x0[w] + t * (path->v0[w] + 0.5 * t * path->a0[w]);
+}
+
+double drive_mean_velocity_m_per_s(const struct world *world, int w)
+{
+    const struct wall_path *path = &world->path;
+    if (has_impedance(path, w))
+        return path->v_last[w];
+    return path->v0[w] + 0.5 * (path->n_steps * path->dt) * path->a0[w];
+}
