@@ -32,7 +32,7 @@ struct recording {
     struct particle_set particles;
     struct particle_frame particle_frame;
     struct contact_frame contact_frame;
-    int64_t next_wall_step[2]; /* states, commands: smallest step not seen */
+    int64_t next_wall_seq[2]; /* states, commands: smallest seq not seen */
     int64_t wall_total[2];
     struct backlog backlog; /* wall messages before RUN_INFO says whether they are wanted */
     shakedown_end_t *end;   /* the last END, whether it matched or not */
@@ -110,7 +110,7 @@ static enum status log_message(struct recording *recording, int kind, const void
     return event_writer_add(recording->log, message_channel(kind), data, size);
 }
 
-/* A wall message of this run: keeps it if its step is new. */
+/* A wall message of this run: keeps it if its seq is new. */
 static enum status take_wall(struct recording *recording, int kind, const union message *message, const void *data,
                              size_t size)
 {
@@ -124,13 +124,13 @@ static enum status take_wall(struct recording *recording, int kind, const union 
         drop_malformed(recording);
         return STATUS_OK;
     }
-    if (message->header.step < recording->next_wall_step[which]) {
+    if (message->header.seq < recording->next_wall_seq[which]) {
         recording->drops.repeated++;
         return STATUS_OK;
     }
     TRY(kind == MESSAGE_WALL_STATE ? run_writer_wall_state(recording->writer, &message->wall_state)
                                    : run_writer_wall_command(recording->writer, &message->wall_command));
-    recording->next_wall_step[which] = message->header.step + 1;
+    recording->next_wall_seq[which] = message->header.seq + 1;
     recording->wall_total[which]++;
     return log_message(recording, kind, data, size);
 }
@@ -176,15 +176,15 @@ static bool is_checkpoint(const struct event *event, const void *user)
 static enum status take_over(struct recording *recording, const shakedown_run_info_t *info,
                              const struct run_counts *counts)
 {
-    int64_t last_step[2];
+    int64_t last_seq[2];
     memcpy(recording->next_seq, info->resumed_total, sizeof recording->next_seq);
     recording->next_seq[RECORD_RUN_INFO] = recording->next_seq[RECORD_PARTICLES] = 0;
     recording->particle_frame.place.frame = recording->contact_frame.place.frame = (int)info->resumed_frames;
     recording->wall_total[0] = counts->wall_states;
     recording->wall_total[1] = counts->wall_commands;
-    TRY(run_writer_wall_steps(recording->writer, last_step));
+    TRY(run_writer_wall_seqs(recording->writer, last_seq));
     for (int k = 0; k < 2; k++)
-        recording->next_wall_step[k] = last_step[k] + 1;
+        recording->next_wall_seq[k] = last_seq[k] + 1;
     double *time_s = malloc((size_t)(counts->frames + 1) * sizeof *time_s);
     if (!time_s)
         return status_fail(STATUS_NO_MEMORY, "no memory for %" PRId64 " frames", counts->frames);

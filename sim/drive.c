@@ -66,8 +66,8 @@ static void impedance_pair(struct world *world, int lo, double dt_last, double t
     const int hi = lo + 1;
     /* at the start as told to the controller: before a new stage's material */
     const bool first = world->step == path->from_step + 1;
-    const double force_lo = first ? world->interface.force_start[lo] : world->walls[lo].force;
-    const double force_hi = first ? world->interface.force_start[hi] : world->walls[hi].force;
+    const double force_lo = first ? world->interface.force_told[lo] : world->walls[lo].force;
+    const double force_hi = first ? world->interface.force_told[hi] : world->walls[hi].force;
     if (path->drive[hi] == DRIVE_IMPEDANCE_MIRROR) {
         double last = 0.5 * (path->v_last[hi] + -path->v_last[lo]), force = 0.5 * (force_hi + force_lo);
         struct wall_motion motion = impedance_motion(path, hi, dt_last, tau, last, force);

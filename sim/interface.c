@@ -29,12 +29,6 @@ void interface_set_law(struct world *world)
     world->interface.sound_m_per_s = world->interface.diameter_m * sqrt(world->law.k2 * p->count / mass);
 }
 
-void interface_told(struct world *world)
-{
-    for (int w = 0; w < world->n_walls; w++)
-        world->interface.force_start[w] = world->walls[w].force;
-}
-
 void interface_stage_start(struct world *world)
 {
     struct interface *face = &world->interface;
@@ -59,7 +53,7 @@ static double controller_mismatch_j(const struct world *world, const struct wall
     return 0;
 }
 
-void interface_command(struct world *world, const struct wall_command *command)
+void interface_close(struct world *world, const struct wall_command *command)
 {
     struct interface *face = &world->interface;
     const bool ended = world->stage_step > 0 && command->stage == world->stage;
@@ -71,6 +65,15 @@ void interface_command(struct world *world, const struct wall_command *command)
                 face->residual_j += mismatch_j;
         }
         face->controller_force[w] = command->force_n[w];
+        face->force_told[w] = world->walls[w].force;
+    }
+}
+
+void interface_open(struct world *world)
+{
+    struct interface *face = &world->interface;
+    for (int w = 0; w < world->n_walls; w++) {
+        face->force_start[w] = world->walls[w].force;
         face->x_start[w] = world->walls[w].x;
         face->work[w] = 0;
     }

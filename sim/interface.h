@@ -16,7 +16,8 @@ struct interface {
     /* The same over |F + F'|/2 |dx|, of the last two intervals; 0: nothing moved. */
     double error, error_before;
     /* The interval in force; after its end, until the next command, the one that ended. */
-    double force_start[SCENE_WALLS_MAX];      /* of the sample, as told to the controller [N] */
+    double force_told[SCENE_WALLS_MAX];       /* of the sample at its start, as told to the controller [N] */
+    double force_start[SCENE_WALLS_MAX];      /* the same, but with the material of the stage */
     double controller_force[SCENE_WALLS_MAX]; /* as it took them; of an impedance: driving force at the start */
     double x_start[SCENE_WALLS_MAX];          /* m */
     double work[SCENE_WALLS_MAX];             /* of the sample on the walls, trapezoidal rule over all steps [J] */
@@ -29,13 +30,13 @@ struct interface {
 /* Sets what follows from the material of the stage. */
 void interface_set_law(struct world *world);
 
-/* Before a stage begins: forces as told. After that: the books of the stage. */
-void interface_told(struct world *world);
+/* New books for a stage. */
 void interface_stage_start(struct world *world);
 
-/* Closes the controller's side of the interval that ended and opens the next. To be called before the command is put in
- * force. */
-void interface_command(struct world *world, const struct wall_command *command);
+/* Closes the controller's side of the interval that ended, before a command is put in force and its stage begins; opens
+ * the books of the next one, after that. */
+void interface_close(struct world *world, const struct wall_command *command);
+void interface_open(struct world *world);
 
 /* After each step: adds up the work; at the end of an interval the residual, and the watch. STATUS_UNSTABLE if a wall
  * in a force loop is faster than sound in the sample, walls have passed each other, or the mismatch is beyond all

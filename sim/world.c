@@ -156,10 +156,10 @@ enum status world_command(struct world *world, const struct wall_command *comman
     if (command->stage < 0 || command->stage >= world->scene->n_stages || command->stage < world->stage)
         return status_fail(STATUS_FORMAT, "step %lld: a command for stage %d does not fit stage %d",
                            (long long)world->step, command->stage, world->stage);
-    interface_told(world);
-    interface_command(world, command);
+    interface_close(world, command);
     if (command->stage != world->stage)
         stage_start(world, command->stage);
+    interface_open(world);
     drive_command(world, command);
     return STATUS_OK;
 }

@@ -3,7 +3,7 @@ add_library(sim_fixture STATIC ${CMAKE_CURRENT_LIST_DIR}/sim_fixture.c)
 target_link_libraries(sim_fixture PUBLIC shakedown_sim PkgConfig::CMOCKA)
 target_include_directories(sim_fixture PUBLIC ${CMAKE_CURRENT_LIST_DIR})
 
-foreach(part_label contact:physics sample:physics kernels:kernel)
+foreach(part_label contact:physics sample:physics kernels:kernel coupling:physics)
   string(REPLACE ":" ";" part_label ${part_label})
   list(GET part_label 0 part)
   list(GET part_label 1 label)

@@ -88,18 +88,34 @@ void fixture_steps(struct fixture *fixture, int n)
 
 void fixture_run(struct fixture *fixture, int64_t n_steps)
 {
+    must(fixture_try(fixture, n_steps));
+}
+
+enum status fixture_try(struct fixture *fixture, int64_t n_steps)
+{
     struct world *world = fixture->world;
+    const bool pipelined = fixture->scene->coupling.scheme == SCHEME_PIPELINED;
+    struct wall_command command = {0};
     while (world->step < n_steps) {
         struct wall_state state;
-        struct wall_command command;
         world_wall_state(world, &state);
         state.energy_step = -1; /* no condition is met on energies that were not measured */
-        must(wallctl_law(fixture->scene, &state, &command));
+        if (command.n_steps == 0) /* not asked for ahead */
+            TRY(wallctl_law(fixture->scene, &state, &command));
         if (command.finished)
-            return;
-        must(world_command(world, &command));
-        fixture_steps(fixture, command.n_steps);
+            return STATUS_OK;
+        TRY(world_command(world, &command));
+        const int interval = command.n_steps;
+        command.n_steps = 0;
+        if (pipelined) {
+            world_wall_state_ahead(world, &state);
+            state.energy_step = -1;
+            TRY(wallctl_law(fixture->scene, &state, &command));
+        }
+        for (int k = 0; k < interval; k++)
+            TRY(world_step(world));
     }
+    return STATUS_OK;
 }
 
 struct fixture fixture_pair(const struct fixture_options *options, double overlap_m, double speed_m_per_s)

@@ -49,6 +49,9 @@ void fixture_steps(struct fixture *fixture, int n);
  * protocol is. */
 void fixture_run(struct fixture *fixture, int64_t n_steps);
 
+/* The same; returns what goes wrong instead of failing the test. */
+enum status fixture_try(struct fixture *fixture, int64_t n_steps) MUST_USE;
+
 /* One contact along x: two particles (of radius 1 mm) that overlap by overlap_m and approach at speed_m_per_s. */
 struct fixture fixture_pair(const struct fixture_options *options, double overlap_m, double speed_m_per_s);
 double fixture_overlap(const struct fixture *fixture);  /* of particles 0 and 1 */

@@ -24,6 +24,7 @@ enum { GIVE_UP_S = 60, PATH_MAX_LENGTH = 256, KILL_AT_STEP = 700 };
 
 static const char *sim_path, *wallctl_path, *recorder_path, *scene_path;
 static char directory[64];
+static const char *scheme = "coupling.scheme=hold"; /* of every run and replay */
 
 static void must(enum status status)
 {
@@ -130,7 +131,7 @@ static void run_in_process(const char *run, const char *setting)
     char url[PATH_MAX_LENGTH + 32];
     make_directory(run);
     snprintf(url, sizeof url, "file://%s?mode=w", path_in(run, "run.lcm"));
-    const char *const sim[] = {sim_path, scene_path, "--in-process", "--lcm", url, "--set", setting, NULL};
+    const char *const sim[] = {sim_path, scene_path, "--in-process", "--lcm", url, "--set", setting, "--set", scheme, NULL};
     expect_success("sim", run_program(path_in(run, "sim.txt"), sim), path_in(run, "sim.txt"));
     const char *const convert[] = {recorder_path, "--from", path_in(run, "run.lcm"), "--out", path_in(run, "."), NULL};
     expect_success("recorder", run_program(path_in(run, "recorder.txt"), convert), path_in(run, "recorder.txt"));
@@ -153,7 +154,7 @@ static void on_state(const lcm_recv_buf_t *buffer, const char *channel, void *us
 
 static pid_t start_wallctl(const char *run, const char *setting)
 {
-    const char *const arguments[] = {wallctl_path, scene_path, "--run-id", "5", "--set", setting, NULL};
+    const char *const arguments[] = {wallctl_path, scene_path, "--run-id", "5", "--set", setting, "--set", scheme, NULL};
     return start(path_in(run, "wallctl.txt"), arguments);
 }
 
@@ -193,7 +194,7 @@ static void run_live(const char *run, const char *setting, int64_t kill_at)
     must(bus_open(&live.bus, NULL));
     must(bus_subscribe(&live.bus, CHANNEL_WALL_STATE, on_state, &live));
     const char *const recorder[] = {recorder_path, "--run-id", "5", "--out", path_in(run, "."), NULL};
-    const char *const sim[] = {sim_path, scene_path, "--run-id", "5", "--set", setting, NULL};
+    const char *const sim[] = {sim_path, scene_path, "--run-id", "5", "--set", setting, "--set", scheme, NULL};
     live.recorder = start(path_in(run, "recorder.txt"), recorder);
     live.wallctl = start_wallctl(run, setting);
     live.sim = start(path_in(run, "sim.txt"), sim);
@@ -232,7 +233,8 @@ static void same_run(const char *a, const char *b)
 /* Exit code of a replay of <run>/run.lcm; what it printed stays in replay.txt. */
 static int replay(const char *program, const char *run, const char *log, const char *setting)
 {
-    const char *const arguments[] = {program, "--replay", path_in(run, log), scene_path, "--set", setting, NULL};
+    const char *const arguments[] = {program, "--replay", path_in(run, log), scene_path, "--set", setting,
+                                     "--set", scheme, NULL};
     return run_program(path_in(run, "replay.txt"), arguments);
 }
 
@@ -283,6 +285,27 @@ static void over_the_bus_at_every_seventh_step(void **state)
     run_live("bus7", every_seventh, INT64_MAX);
     same_run("seven", "bus7");
     assert_true(end_of("one").state_hash != end_of("seven").state_hash);
+}
+
+/* Each scheme: the same motion on both sides of the bus, also when the controller dies meanwhile, and in replays. */
+static void every_scheme_gives_the_same_bits(void **state)
+{
+    static const char *const schemes[] = {"coupling.scheme=jacobian", "coupling.scheme=pipelined",
+                                          "coupling.scheme=adaptive", "coupling.scheme=impedance"};
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        char here[32], bus[40];
+        scheme = schemes[k];
+        snprintf(here, sizeof here, "%s", strchr(scheme, '=') + 1);
+        snprintf(bus, sizeof bus, "%s-bus", here);
+        run_in_process(here, every_seventh);
+        run_live(bus, every_seventh, KILL_AT_STEP);
+        same_run(here, bus);
+        assert_true(end_of(here).state_hash != end_of("seven").state_hash);
+        expect_replay(wallctl_path, bus, "run.lcm", every_seventh, 0, "commands equal");
+        expect_replay(sim_path, bus, "run.lcm", every_seventh, 0, "wall states equal");
+    }
+    scheme = "coupling.scheme=hold";
 }
 
 static void replays_give_the_same_bits(void **state)
@@ -352,6 +375,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(over_the_bus_at_every_step_gives_the_same_bits),
         cmocka_unit_test(a_killed_controller_changes_nothing),
         cmocka_unit_test(over_the_bus_at_every_seventh_step),
+        cmocka_unit_test(every_scheme_gives_the_same_bits),
         cmocka_unit_test(replays_give_the_same_bits),
         cmocka_unit_test(a_replay_finds_another_material),
         cmocka_unit_test(a_replay_wants_the_whole_log),

@@ -31,7 +31,7 @@ struct stress_motion stress_motion(int scheme, const struct stress_loop *loop)
     return result;
 }
 
-/* Whether a disturbance of a wall on the spring and damper does not grow, n steps per interval: its largest way over
+/* Whether a disturbance of a wall on the spring and damper does not grow, n steps per interval: its largest energy over
  * the last intervals against the first. */
 static bool is_stable(int scheme, const struct stress_loop *bounds, double dt_s, int n)
 {
@@ -54,14 +54,15 @@ static bool is_stable(int scheme, const struct stress_loop *bounds, double dt_s,
             x += h * next;
         loop.velocity_m_per_s = next;
         force_before = force;
+        double energy = k * x * x + bounds->mass_kg * next * next;
         if (i < WINDOW)
-            first = fmax(first, fabs(x));
+            first = fmax(first, energy);
         else if (i >= INTERVALS - WINDOW)
-            last = fmax(last, fabs(x));
-        if (!isfinite(x))
+            last = fmax(last, energy);
+        if (!isfinite(energy))
             return false;
     }
-    return k <= 0 || last <= 1.1 * first;
+    return last <= 1.1 * first;
 }
 
 int stress_stable_steps(int scheme, const struct stress_loop *loop, double dt_s, int limit)

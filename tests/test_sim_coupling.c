@@ -1,0 +1,328 @@
+/* The coupling schemes on a wall at the end of a chain of particles, against its closed form; what is exact at an
+ * interval of one step; the interface residual; and how an unstable loop is stopped. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim/measure.h"
+#include "sim_fixture.h"
+#include "wallctl/stress.h"
+
+static const double PI = 3.14159265358979323846;
+
+/* ---- a chain: wall, 8 particles, wall of a particle's mass under constant pressure; nine equal springs and masses with
+ * one end fixed and one free: omega_1 = 2 sqrt(k/m) sin(pi/(2 (2 N + 1))), u_i = sin(i pi/(2 N + 1)), i = 1 ... N ---- */
+
+enum { CHAIN = 8, MASSES = CHAIN + 1, STEPS = 4096 };
+static const double K = 1e5, RADIUS = 1e-3, OVERLAP = 1e-5, AMPLITUDE = 1e-7;
+
+static double disc_mass(void)
+{
+    return 4.0 / 3.0 * PI * 2000 * RADIUS * RADIUS * RADIUS;
+}
+
+static double chain_omega(void)
+{
+    return 2 * sqrt(K / disc_mass()) * sin(PI / (2 * (2 * MASSES + 1)));
+}
+
+/* STEPS steps are three eighths of a period. */
+static double chain_dt(void)
+{
+    return 0.375 * 2 * PI / chain_omega() / STEPS;
+}
+
+static double chain_shape(int i)
+{
+    return sin(i * PI / (2 * MASSES + 1));
+}
+
+/* Box of height 1 (area 1 m^2 with the 2D depth), the chain at half height, at rest, bent into its first mode. */
+static struct fixture chain_open(const char *coupling)
+{
+    char text[2048];
+    snprintf(text, sizeof text,
+             "dimension = 2;\n"
+             "sample = { count = %d; radius_min_m = %.17g; radius_max_m = %.17g; density_kg_per_m3 = 2000.0; };\n"
+             "material = { kn_n_per_m = %.17g; };\n"
+             "walls = { x = { mode = \"stress\"; pressure_pa = %.17g; mass_kg = %.17g; damping_kg_per_s = 0.0;\n"
+             "  opposite = \"fixed\"; }; };\n"
+             "coupling = { %s };\n"
+             "stages = ( { name = \"a\"; dt_s = %.17e; duration_s = 1.0; } );\n",
+             CHAIN, RADIUS, RADIUS, K, K * OVERLAP, disc_mass(), coupling, chain_dt());
+    struct fixture fixture = fixture_from_text(text);
+    struct world *world = fixture.world;
+    for (int i = 0; i < CHAIN; i++) {
+        world->particles.x[0][i] = (2 * i + 1) * RADIUS - (i + 1) * OVERLAP + AMPLITUDE * chain_shape(i + 1);
+        world->particles.x[1][i] = 0.5;
+    }
+    world->walls[0].x = world->walls[2].x = 0;
+    world->walls[1].x = 2 * CHAIN * RADIUS - MASSES * OVERLAP + AMPLITUDE * chain_shape(MASSES);
+    world->walls[3].x = 1;
+    for (int w = 0; w < 4; w++)
+        world->path.x0[w] = world->walls[w].x;
+    particles_set_mass(&world->particles, 2000);
+    must(neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls));
+    struct wall_command start = {.n_steps = 1, .n_walls = 4}; /* forces of the bent chain, before the first state */
+    for (int w = 0; w < 4; w++)
+        start.position_m[w] = world->walls[w].x;
+    must(world_command(world, &start));
+    world->path.n_steps = 0; /* no interval before the first */
+    return fixture;
+}
+
+/* Error of the wall's place at the end, over the amplitude. */
+static double chain_error(const char *scheme, int n)
+{
+    char coupling[128];
+    snprintf(coupling, sizeof coupling, "scheme = \"%s\"; interval_steps = %d;", scheme, n);
+    struct fixture fixture = chain_open(coupling);
+    fixture_run(&fixture, STEPS);
+    assert_int_equal(fixture.world->step, STEPS);
+    double rest = 2 * CHAIN * RADIUS - MASSES * OVERLAP;
+    double exact = AMPLITUDE * chain_shape(MASSES) * cos(chain_omega() * STEPS * chain_dt());
+    double error = fabs(fixture.world->walls[1].x - rest - exact) / (AMPLITUDE * chain_shape(MASSES));
+    fixture_close(&fixture);
+    return error;
+}
+
+/* Of second order: doubling the interval multiplies the error by four. From 32 steps on it is far above the error of the
+ * time step itself (that of n = 1), which is taken off; up to 256 the next order is below a quarter. */
+static void schemes_are_of_second_order(void **unused)
+{
+    static const char *const schemes[] = {"hold", "jacobian", "pipelined"};
+    (void)unused;
+    for (int s = 0; s < 3; s++) {
+        double before = 0, floor = chain_error(schemes[s], 1);
+        assert_true(floor < 1e-5);
+        for (int n = 32; n <= 256; n *= 2) {
+            double error = chain_error(schemes[s], n);
+            print_message("%s n = %d: error %.3g of the amplitude, order %.3f\n", schemes[s], n, error,
+                          before > 0 ? log2(error / before) : NAN);
+            assert_true(error > 20 * floor);
+            if (before > 0)
+                assert_close(schemes[s], log2(error / before), 2, 0.3);
+            before = error;
+        }
+    }
+}
+
+/* A constant driving force is the same in every step: the bits of the exact loop at any interval. */
+static void impedance_is_exact_under_a_constant_load(void **unused)
+{
+    (void)unused;
+    struct fixture exact = chain_open("interval_steps = 1;");
+    fixture_run(&exact, STEPS);
+    for (int n = 1; n <= STEPS; n *= 8) {
+        char coupling[128];
+        snprintf(coupling, sizeof coupling, "scheme = \"impedance\"; interval_steps = %d;", n);
+        struct fixture fixture = chain_open(coupling);
+        fixture_run(&fixture, STEPS);
+        assert_true(world_hash(fixture.world) == world_hash(exact.world));
+        fixture_close(&fixture);
+    }
+    fixture_close(&exact);
+}
+
+/* The error follows the tolerance: a tenth of it must give less, and no more than a third of the exchanges are saved on
+ * nothing. */
+static double adaptive_error(double tolerance, int *exchanges)
+{
+    char coupling[128];
+    snprintf(coupling, sizeof coupling, "scheme = \"adaptive\"; interval_steps = 512; tolerance = %g;", tolerance);
+    struct fixture fixture = chain_open(coupling);
+    struct world *world = fixture.world;
+    for (*exchanges = 0; world->step < STEPS; ++*exchanges)
+        fixture_run(&fixture, world->step + 1); /* one interval */
+    double rest = 2 * CHAIN * RADIUS - MASSES * OVERLAP, t = (double)world->step * chain_dt();
+    double exact = AMPLITUDE * chain_shape(MASSES) * cos(chain_omega() * t);
+    double error = fabs(world->walls[1].x - rest - exact) / (AMPLITUDE * chain_shape(MASSES));
+    fixture_close(&fixture);
+    return error;
+}
+
+static void adaptive_follows_its_tolerance(void **unused)
+{
+    int many, few;
+    (void)unused;
+    double fine = adaptive_error(1e-7, &many), coarse = adaptive_error(1e-5, &few);
+    print_message("tolerance 1e-7: error %.3g in %d exchanges; 1e-5: %.3g in %d\n", fine, many, coarse, few);
+    assert_true(few < many / 3 && many < STEPS / 4);
+    assert_true(fine < coarse / 5);
+}
+
+/* ---- a small sample under pressure and strain ---- */
+
+static const char *sample_text(const char *coupling, const char *stage)
+{
+    static char text[2048];
+    snprintf(text, sizeof text,
+             "dimension = 2;\n"
+             "sample = { count = 60; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; density_kg_per_m3 = 2000.0;\n"
+             "  speed_m_per_s = 1.0; };\n"
+             "material = { kn_n_per_m = 1e5; gamma_n_kg_per_s = 0.1; gamma_b_kg_per_s = 0.01; };\n"
+             "walls = { x = { mode = \"stress\"; pressure_pa = 500.0; mass_kg = 1e-5; damping_kg_per_s = 2.0; };\n"
+             "  z = { mode = \"stress\"; pressure_pa = 500.0; mass_kg = 1e-5; damping_kg_per_s = 2.0; }; };\n"
+             "coupling = { %s };\n"
+             "stages = ( { name = \"press\"; dt_s = 1e-6; duration_s = 0.02; %s },\n"
+             "  { name = \"shear\"; dt_s = 5e-7; duration_s = 0.005;\n"
+             "    walls = { z = { mode = \"strain\"; strain = 0.02; frequency_hz = 100.0; }; }; } );\n",
+             coupling, stage);
+    return text;
+}
+
+enum { PRESS_STEPS = 20000, SAMPLE_STEPS = PRESS_STEPS + 10000 };
+
+static struct fixture sample_run(const char *coupling, int64_t steps)
+{
+    struct fixture fixture = fixture_from_text(sample_text(coupling, ""));
+    fixture_run(&fixture, steps);
+    return fixture;
+}
+
+static void all_schemes_are_exact_at_one_step(void **unused)
+{
+    static const char *const schemes[] = {"jacobian", "adaptive", "impedance"};
+    (void)unused;
+    struct fixture exact = sample_run("scheme = \"hold\"; interval_steps = 1;", SAMPLE_STEPS);
+    assert_true(exact.world->interface.residual_j == 0);
+    for (int s = 0; s < 3; s++) {
+        char coupling[128];
+        snprintf(coupling, sizeof coupling, "scheme = \"%s\"; interval_steps = 1;", schemes[s]);
+        struct fixture fixture = sample_run(coupling, SAMPLE_STEPS);
+        assert_true(world_hash(fixture.world) == world_hash(exact.world));
+        fixture_close(&fixture);
+    }
+    fixture_close(&exact);
+}
+
+/* Both sides measure the same energy: with the force that the controller took for the sample's the mismatch differs by
+ * the part that its added mass stands for. Shorter intervals leave less. */
+static void both_sides_measure_the_residual(void **unused)
+{
+    double coarse = INFINITY;
+    (void)unused;
+    for (int n = 32; n >= 8; n /= 4) {
+        char coupling[128];
+        snprintf(coupling, sizeof coupling, "scheme = \"jacobian\"; interval_steps = %d;", n);
+        struct fixture fixture = sample_run(coupling, SAMPLE_STEPS);
+        const struct interface *face = &fixture.world->interface;
+        print_message("n = %d: %.3g J, controller %.3g J, work %.3g J\n", n, face->residual_j,
+                      face->controller_residual_j, fixture.world->ledger.work_walls);
+        assert_true(face->residual_j > 0 && face->residual_j < 0.03 * fixture.world->ledger.work_walls);
+        assert_true(face->controller_residual_j > 0);
+        assert_true(face->controller_residual_j < 0.3 * fixture.world->ledger.work_walls);
+        assert_true(face->residual_j < coarse / 4);
+        coarse = face->residual_j;
+        fixture_close(&fixture);
+    }
+}
+
+/* A load that changes along the interval is foreseen by a parabola, the way of the other walls by their velocity: the
+ * jump of the driving force at the end of an interval is of second order, and half as many are twice as long. */
+static void impedance_foresees_the_load(void **unused)
+{
+    double jump[2];
+    (void)unused;
+    for (int k = 0; k < 2; k++) {
+        struct fixture fixture = fixture_from_text(
+            sample_text(k == 0 ? "scheme = \"impedance\"; interval_steps = 400;"
+                               : "scheme = \"impedance\"; interval_steps = 200;",
+                        "walls = { x = { target = \"cosine\"; amplitude_pa = 100.0; period_s = 0.002; }; };"));
+        fixture_run(&fixture, PRESS_STEPS);
+        jump[k] = fixture.world->interface.residual_j;
+        fixture_close(&fixture);
+    }
+    print_message("jumps of the driving force: %.3g J, halved intervals %.3g J\n", jump[0], jump[1]);
+    assert_true(jump[1] > 0 && jump[1] < jump[0] / 3);
+}
+
+/* ---- loops that are not stable ---- */
+
+/* The step at which a sample that was pressed in small steps is stopped under the coupling; -1: it is not. */
+static enum status pressed_then(const char *coupling, char message[512])
+{
+    struct fixture fixture = fixture_from_text(sample_text("interval_steps = 1;", ""));
+    fixture_run(&fixture, PRESS_STEPS);
+    struct fixture other = {.scene = fixture_scene_of(sample_text(coupling, "")), .world = fixture.world};
+    other.world->scene = other.scene;
+    enum status status = fixture_try(&other, SAMPLE_STEPS);
+    snprintf(message, 512, "%s", status == STATUS_OK ? "" : status_message());
+    other.world->scene = fixture.scene;
+    fixture_scene_free(other.scene);
+    fixture_close(&fixture);
+    return status;
+}
+
+static void an_unstable_loop_names_an_interval_that_holds(void **unused)
+{
+    char message[512], coupling[128];
+    int n = 0;
+    (void)unused;
+    assert_int_equal(pressed_then("scheme = \"hold\"; interval_steps = 64;", message), STATUS_UNSTABLE);
+    print_message("%s\n", message);
+    const char *named = strstr(message, "coupling.interval_steps = ");
+    assert_non_null(named);
+    assert_int_equal(sscanf(named, "coupling.interval_steps = %d", &n), 1);
+    assert_in_range(n, 2, 32);
+    snprintf(coupling, sizeof coupling, "scheme = \"hold\"; interval_steps = %d;", n);
+    assert_int_equal(pressed_then(coupling, message), STATUS_OK);
+    assert_int_equal(pressed_then("scheme = \"jacobian\"; interval_steps = 64;", message), STATUS_OK);
+    assert_int_equal(pressed_then("scheme = \"adaptive\"; interval_steps = 64;", message), STATUS_OK);
+    assert_int_equal(pressed_then("scheme = \"impedance\"; interval_steps = 64;", message), STATUS_OK);
+}
+
+/* Nothing to push on and nothing that brakes: faster than sound is the end. */
+static void a_wall_beyond_the_speed_of_sound_is_stopped(void **unused)
+{
+    struct fixture_options options = {
+        .dimension = 2,
+        .count = 2,
+        .dt_s = 1e-6,
+        .material = "kn_n_per_m = 1e5;",
+        .more = "walls = { x = { mode = \"stress\"; pressure_pa = 1e7; mass_kg = 1e-3; damping_kg_per_s = 0.0; }; };"};
+    (void)unused;
+    struct fixture fixture = fixture_open(&options);
+    assert_int_equal(fixture_try(&fixture, 1000000), STATUS_UNSTABLE);
+    print_message("%s\n", status_message());
+    assert_non_null(strstr(status_message(), "sound"));
+    fixture_close(&fixture);
+}
+
+/* The bound of the hold scheme has a closed form: K H/gamma < 2 coth(gamma H/2m). */
+static void stable_steps_are_the_closed_form(void **unused)
+{
+    const double dt = 5e-7;
+    (void)unused;
+    for (double mass = 1e-6; mass < 1; mass *= 10) {
+        struct stress_loop loop = {.mass_kg = mass, .damping_kg_per_s = 19.35, .stiffness_n_per_m = 6e6};
+        int n = 0;
+        while (n < 512) {
+            double h = (n + 1) * dt;
+            if (!(loop.stiffness_n_per_m * h / loop.damping_kg_per_s <
+                  2 / tanh(loop.damping_kg_per_s * h / (2 * mass))))
+                break;
+            n++;
+        }
+        int found = stress_stable_steps(SCHEME_HOLD, &loop, dt, 512);
+        print_message("m = %g kg: %d steps, closed form %d\n", mass, found, n);
+        assert_in_range(found, n - 1, n);
+        assert_int_equal(stress_stable_steps(SCHEME_JACOBIAN, &loop, dt, 512), 512);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(schemes_are_of_second_order),
+        cmocka_unit_test(impedance_is_exact_under_a_constant_load),
+        cmocka_unit_test(adaptive_follows_its_tolerance),
+        cmocka_unit_test(all_schemes_are_exact_at_one_step),
+        cmocka_unit_test(both_sides_measure_the_residual),
+        cmocka_unit_test(impedance_foresees_the_load),
+        cmocka_unit_test(an_unstable_loop_names_an_interval_that_holds),
+        cmocka_unit_test(a_wall_beyond_the_speed_of_sound_is_stopped),
+        cmocka_unit_test(stable_steps_are_the_closed_form),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
