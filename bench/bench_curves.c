@@ -79,7 +79,8 @@ static double position_error(const struct run *a, const struct run *b, size_t n)
     double worst = 0;
     for (size_t k = 0; k < n; k++)
         for (size_t c = 0; c < a->width[OBSERVABLE_BOX_LENGTH]; c++) {
-            double here = run_record(a, OBSERVABLE_BOX_LENGTH, k)[c], there = run_record(b, OBSERVABLE_BOX_LENGTH, k)[c];
+            double here = run_record(a, OBSERVABLE_BOX_LENGTH, k)[c],
+                   there = run_record(b, OBSERVABLE_BOX_LENGTH, k)[c];
             worst = fmax(worst, fabs(here - there) / there);
         }
     return worst;

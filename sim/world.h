@@ -25,7 +25,7 @@ struct wall_path {
     int n_steps;
     double dt;
     double x0[SCENE_WALLS_MAX], v0[SCENE_WALLS_MAX], a0[SCENE_WALLS_MAX];
-    int32_t drive[SCENE_WALLS_MAX];                             /* enum wall_drive */
+    int32_t drive[SCENE_WALLS_MAX];                                                           /* enum wall_drive */
     double force[SCENE_WALLS_MAX], force_rate[SCENE_WALLS_MAX], force_rate2[SCENE_WALLS_MAX]; /* of the command */
     double mass[SCENE_WALLS_MAX], damping[SCENE_WALLS_MAX];
     double v_last[SCENE_WALLS_MAX]; /* mean over the step before from_step, and its length */

@@ -99,7 +99,7 @@ enum status fixture_try(struct fixture *fixture, int64_t n_steps)
     while (world->step < n_steps) {
         struct wall_state state;
         world_wall_state(world, &state);
-        state.energy_step = -1; /* no condition is met on energies that were not measured */
+        state.energy_step = -1;   /* no condition is met on energies that were not measured */
         if (command.n_steps == 0) /* not asked for ahead */
             TRY(wallctl_law(fixture->scene, &state, &command));
         if (command.finished)

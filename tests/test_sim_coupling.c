@@ -10,8 +10,9 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* ---- a chain: wall, 8 particles, wall of a particle's mass under constant pressure; nine equal springs and masses with
- * one end fixed and one free: omega_1 = 2 sqrt(k/m) sin(pi/(2 (2 N + 1))), u_i = sin(i pi/(2 N + 1)), i = 1 ... N ---- */
+/* ---- a chain: wall, 8 particles, wall of a particle's mass under constant pressure; nine equal springs and masses
+ * with one end fixed and one free: omega_1 = 2 sqrt(k/m) sin(pi/(2 (2 N + 1))), u_i = sin(i pi/(2 N + 1)), i = 1 ... N
+ * ---- */
 
 enum { CHAIN = 8, MASSES = CHAIN + 1, STEPS = 4096 };
 static const double K = 1e5, RADIUS = 1e-3, OVERLAP = 1e-5, AMPLITUDE = 1e-7;
@@ -86,8 +87,8 @@ static double chain_error(const char *scheme, int n)
     return error;
 }
 
-/* Of second order: doubling the interval multiplies the error by four. From 32 steps on it is far above the error of the
- * time step itself (that of n = 1), which is taken off; up to 256 the next order is below a quarter. */
+/* Of second order: doubling the interval multiplies the error by four. From 32 steps on it is far above the error of
+ * the time step itself (that of n = 1), which is taken off; up to 256 the next order is below a quarter. */
 static void schemes_are_of_second_order(void **unused)
 {
     static const char *const schemes[] = {"hold", "jacobian", "pipelined"};
@@ -225,10 +226,9 @@ static void impedance_foresees_the_load(void **unused)
     double jump[2];
     (void)unused;
     for (int k = 0; k < 2; k++) {
-        struct fixture fixture = fixture_from_text(
-            sample_text(k == 0 ? "scheme = \"impedance\"; interval_steps = 400;"
-                               : "scheme = \"impedance\"; interval_steps = 200;",
-                        "walls = { x = { target = \"cosine\"; amplitude_pa = 100.0; period_s = 0.002; }; };"));
+        struct fixture fixture = fixture_from_text(sample_text(
+            k == 0 ? "scheme = \"impedance\"; interval_steps = 400;" : "scheme = \"impedance\"; interval_steps = 200;",
+            "walls = { x = { target = \"cosine\"; amplitude_pa = 100.0; period_s = 0.002; }; };"));
         fixture_run(&fixture, PRESS_STEPS);
         jump[k] = fixture.world->interface.residual_j;
         fixture_close(&fixture);

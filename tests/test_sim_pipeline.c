@@ -131,7 +131,8 @@ static void run_in_process(const char *run, const char *setting)
     char url[PATH_MAX_LENGTH + 32];
     make_directory(run);
     snprintf(url, sizeof url, "file://%s?mode=w", path_in(run, "run.lcm"));
-    const char *const sim[] = {sim_path, scene_path, "--in-process", "--lcm", url, "--set", setting, "--set", scheme, NULL};
+    const char *const sim[] = {sim_path, scene_path, "--in-process", "--lcm", url,
+                               "--set",  setting,    "--set",        scheme,  NULL};
     expect_success("sim", run_program(path_in(run, "sim.txt"), sim), path_in(run, "sim.txt"));
     const char *const convert[] = {recorder_path, "--from", path_in(run, "run.lcm"), "--out", path_in(run, "."), NULL};
     expect_success("recorder", run_program(path_in(run, "recorder.txt"), convert), path_in(run, "recorder.txt"));
@@ -154,7 +155,8 @@ static void on_state(const lcm_recv_buf_t *buffer, const char *channel, void *us
 
 static pid_t start_wallctl(const char *run, const char *setting)
 {
-    const char *const arguments[] = {wallctl_path, scene_path, "--run-id", "5", "--set", setting, "--set", scheme, NULL};
+    const char *const arguments[] = {wallctl_path, scene_path, "--run-id", "5", "--set",
+                                     setting,      "--set",    scheme,     NULL};
     return start(path_in(run, "wallctl.txt"), arguments);
 }
 
@@ -233,8 +235,8 @@ static void same_run(const char *a, const char *b)
 /* Exit code of a replay of <run>/run.lcm; what it printed stays in replay.txt. */
 static int replay(const char *program, const char *run, const char *log, const char *setting)
 {
-    const char *const arguments[] = {program, "--replay", path_in(run, log), scene_path, "--set", setting,
-                                     "--set", scheme, NULL};
+    const char *const arguments[] = {program, "--replay", path_in(run, log), scene_path, "--set", setting, "--set",
+                                     scheme,  NULL};
     return run_program(path_in(run, "replay.txt"), arguments);
 }
 

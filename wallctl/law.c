@@ -99,8 +99,8 @@ static void stress_mirror(const struct pair_control *c, double target_pa, struct
     loop_set(command, c->lo, -1, &motion);
 }
 
-/* The loop goes to sim: mass, damping, and the driving force p A, a parabola through its start, middle and end; exact at
- * the start, later as far as the other walls are foreseen. */
+/* The loop goes to sim: mass, damping, and the driving force p A, a parabola through its start, middle and end; exact
+ * at the start, later as far as the other walls are foreseen. */
 static void impedance_wall(const struct pair_control *c, int wall, enum wall_drive drive,
                            double (*target_pa)(const struct scene_axis *axis, double t_s), struct wall_command *command)
 {
