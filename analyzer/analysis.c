@@ -6,9 +6,9 @@
 #include "analyzer/biaxial.h"
 #include "analyzer/report_json.h"
 
-/* Residual of the energy ledger at the last sample over the work done in the stage: the net work, or the sum of its
- * absolute changes from sample to sample where the net is below a tenth of that (cycles give back what they took). */
-static void energy_residual(const struct curves *curves, struct quantity *quantity)
+/* A residual at the last sample over the work done in the stage: the net work, or the sum of its absolute changes from
+ * sample to sample where the net is below a tenth of that (cycles give back what they took). */
+static void over_work(const struct curves *curves, enum curve of, struct quantity *quantity)
 {
     const double *work = curves->column[CURVE_WORK];
     double total = 0;
@@ -18,7 +18,7 @@ static void energy_residual(const struct curves *curves, struct quantity *quanti
         quantity_undefined(quantity, "no work was done in the stage");
         return;
     }
-    double net = fabs(work[curves->n - 1]), residual = fabs(curves->column[CURVE_ENERGY_RESIDUAL][curves->n - 1]);
+    double net = fabs(work[curves->n - 1]), residual = fabs(curves->column[of][curves->n - 1]);
     bool use_net = net >= total / 10;
     quantity_set(quantity, (struct estimate){residual / (use_net ? net : total), NAN});
     if (!use_net)
@@ -40,7 +40,9 @@ static void state_quantities(const struct curves *curves, struct quantity *q)
         else
             quantity_undefined(&q[initial[k].id], "the stage has no samples");
     }
-    energy_residual(curves, &q[QUANTITY_ENERGY_RESIDUAL]);
+    over_work(curves, CURVE_ENERGY_RESIDUAL, &q[QUANTITY_ENERGY_RESIDUAL]);
+    over_work(curves, CURVE_INTERFACE_RESIDUAL, &q[QUANTITY_INTERFACE_RESIDUAL]);
+    over_work(curves, CURVE_CONTROLLER_RESIDUAL, &q[QUANTITY_CONTROLLER_RESIDUAL]);
     quantity_set(&q[QUANTITY_STRESS_DIFFERENCE], (struct estimate){curves->stress_difference, NAN});
 }
 

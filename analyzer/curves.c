@@ -178,6 +178,8 @@ static void scalars_fill(struct curves *curves, const struct run *run, size_t sa
         {CURVE_INERTIAL_NUMBER, OBSERVABLE_INERTIAL_NUMBER},
         {CURVE_KINETIC_ENERGY, OBSERVABLE_KINETIC_ENERGY},
         {CURVE_ENERGY_RESIDUAL, OBSERVABLE_ENERGY_RESIDUAL},
+        {CURVE_INTERFACE_RESIDUAL, OBSERVABLE_INTERFACE_RESIDUAL},
+        {CURVE_CONTROLLER_RESIDUAL, OBSERVABLE_CONTROLLER_RESIDUAL},
     };
     for (size_t k = 0; k < sizeof plain / sizeof plain[0]; k++)
         curves->column[plain[k].to][i] = *run_record(run, plain[k].from, sample);

@@ -40,7 +40,9 @@
     X(FABRIC_ZZ, "fabric_zz")                                                                                          \
     X(KINETIC_ENERGY, "kinetic_energy_j")                                                                              \
     X(WORK, "work_j")                                                                                                  \
-    X(ENERGY_RESIDUAL, "energy_residual_j")
+    X(ENERGY_RESIDUAL, "energy_residual_j")                                                                            \
+    X(INTERFACE_RESIDUAL, "interface_residual_j")                                                                      \
+    X(CONTROLLER_RESIDUAL, "controller_residual_j")
 
 enum curve {
 #define CURVE_ENUM(id, name) CURVE_##id,

@@ -30,6 +30,8 @@
     X(CRITICAL_FRICTION_ANGLE, "critical.friction_angle_deg", "deg")                                                   \
     X(CRITICAL_Q_OVER_P, "critical.q_over_p", "1")                                                                     \
     X(ENERGY_RESIDUAL, "energy_residual", "1")                                                                         \
+    X(INTERFACE_RESIDUAL, "interface_residual", "1")                                                                   \
+    X(CONTROLLER_RESIDUAL, "controller_residual", "1")                                                                 \
     X(STRESS_DIFFERENCE, "stress_wall_contact_difference", "1")                                                        \
     X(INITIAL_PHI, "initial.phi", "1")                                                                                 \
     X(INITIAL_COORDINATION, "initial.coordination", "1")                                                               \

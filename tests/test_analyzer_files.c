@@ -223,6 +223,8 @@ static void biaxial_outputs(void **state)
     /* residual 5e-4 eps over work 5 eps; contact stress 1 % larger; initial values of the fixture: all exact to
      * rounding */
     assert_near(number_of(root, "energy_residual", "value"), 1e-4, 1e-15);
+    assert_near(number_of(root, "interface_residual", "value"), 5e-4, 1e-15);
+    assert_near(number_of(root, "controller_residual", "value"), 2e-3, 1e-15);
     assert_near(number_of(root, "stress_wall_contact_difference", "value"), 0.01, 1e-12);
     assert_near(number_of(root, "initial.phi", "value"), 0.88, 1e-15);
     assert_near(number_of(root, "initial.coordination", "value"), 4.2, 1e-15);

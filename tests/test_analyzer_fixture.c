@@ -264,6 +264,8 @@ void fixture_biaxial(struct run *run, const struct biaxial_model *model, struct 
         }
         fixture_set(run, OBSERVABLE_WORK_WALLS, at, 0, 5 * eps);
         fixture_set(run, OBSERVABLE_ENERGY_RESIDUAL, at, 0, -5e-4 * eps);
+        fixture_set(run, OBSERVABLE_INTERFACE_RESIDUAL, at, 0, 2.5e-3 * eps);
+        fixture_set(run, OBSERVABLE_CONTROLLER_RESIDUAL, at, 0, 1e-2 * eps);
         fixture_set(run, OBSERVABLE_COORDINATION, at, 0, 4.2 - 0.6 * (1 - exp(-eps / 0.004)));
         fixture_set(run, OBSERVABLE_COORDINATION_NO_RATTLERS, at, 0, 4.3 - 0.5 * (1 - exp(-eps / 0.004)));
         fixture_set(run, OBSERVABLE_SOLID_FRACTION, at, 0, 0.88 / (1 + eps_v));
