@@ -151,8 +151,8 @@ static enum status measure_isa(struct bench *bench, enum kernel_isa isa, json_t 
                  {"walls", one_walls, STEPS_PER_BLOCK}, {"drift", one_drift, STEPS_PER_BLOCK},
                  {"kick", one_kick, STEPS_PER_BLOCK},   {"build", one_build, BUILDS_PER_BLOCK}};
     struct world *world = bench->world;
-    world->kernels =
-        kernels_select(isa, world->particles.dimension, world->pairs.hysteretic, world->pairs.n_springs > 0);
+    world->kernels = kernels_select(isa, world->particles.dimension, world->pairs.hysteretic,
+                                    world->pairs.n_springs > 0, world->pairs.single);
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
         struct timing timing;
         TRY(time_it(bench, parts[k].part, parts[k].repeats, &timing));

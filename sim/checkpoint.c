@@ -134,6 +134,7 @@ static const struct entry table[] = {
     LIST(reach, F64, ONE_ARRAY),
     LIST(history, F64, IF_HYSTERETIC),
     LIST(spring, F64, PER_SPRING),
+    LIST(rest, F64, PER_SPRING),
     LIST(sliding, F64, IF_FRICTIONAL),
 };
 
@@ -480,8 +481,10 @@ static enum status take_list(struct world *to, struct world *from, int l)
             list->history[k] = old->hysteretic ? old->history[k] : delta > 0 ? delta : 0;
         if (list->n_springs)
             list->sliding[k] = old->n_springs ? old->sliding[k] : 0;
-        for (int c = 0; c < list->n_springs; c++)
+        for (int c = 0; c < list->n_springs; c++) {
             list->spring[c][k] = old->n_springs ? old->spring[c][k] : 0;
+            list->rest[c][k] = old->n_springs ? old->rest[c][k] : 0;
+        }
     }
     return STATUS_OK;
 }

@@ -29,22 +29,19 @@ struct contact_law_constants contact_law_constants_of(const struct scene_materia
 
 enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension)
 {
+    (void)dimension;
     if (capacity <= list->capacity)
         return STATUS_OK;
-    capacity = (capacity + ARRAY_PADDING - 1) / ARRAY_PADDING * ARRAY_PADDING;
     size_t size = (size_t)capacity, keep = (size_t)list->count;
     TRY(array_resize(&list->i, sizeof *list->i, size, keep));
     TRY(array_resize(&list->j, sizeof *list->j, size, keep));
-    TRY(array_resize(&list->row_i, sizeof *list->row_i, size, keep));
-    TRY(array_resize(&list->row_j, sizeof *list->row_j, size, keep));
+    TRY(array_resize(&list->slot, sizeof *list->slot, size, keep));
     TRY(array_resize(&list->reach, sizeof(double), size, keep));
     if (list->hysteretic)
         TRY(array_resize(&list->history, sizeof(double), size, keep));
-    for (int c = 0; c < dimension; c++)
-        TRY(array_resize(&list->force[c], sizeof(double), size, keep));
     for (int c = 0; c < list->n_springs; c++) {
         TRY(array_resize(&list->spring[c], sizeof(double), size, keep));
-        TRY(array_resize(&list->moment[c], sizeof(double), size, keep));
+        TRY(array_resize(&list->rest[c], sizeof(double), size, keep));
     }
     if (list->n_springs)
         TRY(array_resize(&list->sliding, sizeof *list->sliding, size, keep));
@@ -60,19 +57,16 @@ void contact_losses_add(struct contact_losses *sum, const struct contact_losses 
     sum->friction += lost->friction;
 }
 
-void contact_list_read(struct contact_list *list)
-{
-    (void)list; /* the kernels work on the members themselves */
-}
-
 void contact_list_carry(struct contact_list *to, int t, const struct contact_list *from, int f)
 {
     if (to->hysteretic)
         to->history[t] = from->history[f];
     if (to->n_springs)
         to->sliding[t] = from->sliding[f];
-    for (int c = 0; c < to->n_springs; c++)
+    for (int c = 0; c < to->n_springs; c++) {
         to->spring[c][t] = from->spring[c][f];
+        to->rest[c][t] = from->rest[c][f];
+    }
 }
 
 void contact_list_clear(struct contact_list *to, int t)
@@ -82,40 +76,31 @@ void contact_list_clear(struct contact_list *to, int t)
     if (to->n_springs)
         to->sliding[t] = 0;
     for (int c = 0; c < to->n_springs; c++)
-        to->spring[c][t] = 0;
-}
-
-enum status contact_list_close(struct contact_list *list, const struct particles *particles)
-{
-    const uint32_t stride = RECORD_STRIDE(particles->dimension, particles->n_rotations > 0);
-    int k = list->count;
-    list->n_sets = (k + SET_WIDTH - 1) / SET_WIDTH;
-    for (; k < list->n_sets * SET_WIDTH; k++) {
-        list->i[k] = particles->count;
-        list->j[k] = particles->count + 1;
-        list->reach[k] = 0;
-        contact_list_clear(list, k);
-    }
-    for (int m = 0; m < k; m++) {
-        list->row_i[m] = stride * (uint32_t)list->i[m];
-        list->row_j[m] = stride * (uint32_t)list->j[m];
-    }
-    return STATUS_OK;
+        to->spring[c][t] = to->rest[c][t] = 0;
 }
 
 void contact_list_free(struct contact_list *list)
 {
     free(list->i);
     free(list->j);
-    free(list->row_i);
-    free(list->row_j);
+    free(list->slot);
     free(list->reach);
     free(list->history);
     free(list->sliding);
     for (int c = 0; c < 3; c++) {
-        free(list->force[c]);
         free(list->spring[c]);
-        free(list->moment[c]);
+        free(list->rest[c]);
+    }
+    free(list->scratch);
+    free(list->slots.first);
+    free(list->slots.row);
+    free(list->slots.reach2);
+    free(list->slots.reach);
+    free(list->slots.history);
+    free(list->slots.sliding);
+    for (int c = 0; c < 3; c++) {
+        free(list->slots.spring[c]);
+        free(list->slots.rest[c]);
     }
     memset(list, 0, sizeof *list);
 }

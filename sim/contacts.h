@@ -30,26 +30,43 @@ struct contact_losses {
 /* What kernels take at a time: a set; a range of a list is one of sets. */
 enum { SET_WIDTH = 16 };
 
-/* Candidates for contact with their history, sorted by (i, j). Open candidates have zero history and force. Arrays are
- * filled up to a whole set with pairs of the padding particles, which never touch. The kernels may keep the history
- * (history, spring, sliding) in an order of their own: contact_list_read brings it here, contact_list_close hands it
- * over. */
+/* The kernels' order of a list, slot by slot; SET_WIDTH slots are a set. Pairs: a set belongs to SET_WIDTH particles
+ * that stand side by side, and its slot l holds a partner of the l-th, so that these are read and summed without
+ * looking around; either member of a pair may be the one whose slot it is in. Walls: the members one after the other.
+ * Empty slots hold the padding particle, which never touches. Double, or float if the contacts are single. */
+struct contact_slots {
+    int capacity;    /* in sets */
+    uint32_t *first; /* [n_sets] pairs: the first of the particles i */
+    uint32_t *row;   /* [slots] where the record of j starts [doubles]; walls: that of i */
+    double *reach2;  /* (a_i + a_j)^2 [m^2], single only; walls: a_i [m] */
+    void *reach;     /* a_i + a_j, walls a_i [m] */
+    void *history;   /* as below */
+    void *spring[3]; /* of i against j */
+    void *rest[3];   /* single: what rounding left out of spring */
+    void *sliding;
+};
+
+/* Candidates for contact with their history, sorted by (i, j). Open candidates have zero history and force. The history
+ * (history, spring, rest, sliding) is that of the last contact_list_read; contact_list_close hands it over to the
+ * kernels. */
 struct contact_list {
     int count, capacity;
-    int n_sets;      /* that the kernels go through; set by contact_list_close */
-    int32_t *i;      /* [count] */
-    int32_t *j;      /* [count] other particle, i < j; in the list of a wall: the first padding particle */
-    uint32_t *row_i; /* where the records of i and j start [doubles] */
-    uint32_t *row_j;
-    double *reach;     /* a_i + a_j [m] */
+    int32_t *i;        /* [count] */
+    int32_t *j;        /* [count] other particle, i < j; in the list of a wall: particles->count */
+    double *reach;     /* a_i + a_j, walls a_i [m] */
     double *history;   /* delta_max [m]; hysteretic law only */
     double *spring[3]; /* tangential spring at the middle of the step to come [m]: 1 component in 2D, 3 in 3D */
+    double *rest[3];   /* what is missing in it; 0 unless single */
     double *sliding;   /* 1: slides, 0: sticks */
-    bool keep_forces;  /* whether the kernels fill force and moment: only walls need them, measurements do not */
-    double *force[3];  /* on i [N], dimension components */
-    double *moment[3]; /* n x f_t [N]: torque on i is -a_i moment, on j -a_j moment; as many as spring */
     int n_springs;     /* 0 without friction */
     bool hysteretic;
+    bool single;      /* the kernels keep the history in float */
+    bool closed;      /* the kernels have the history */
+    int n_sets;       /* that the kernels go through; set by contact_list_close */
+    uint32_t *slot;   /* [count] where the kernels have it: twice the slot, 1 more if that is j's */
+    int32_t *scratch; /* of contact_list_close */
+    size_t scratch_size;
+    struct contact_slots slots;
 };
 
 struct wall {
@@ -70,13 +87,18 @@ void contact_losses_add(struct contact_losses *sum, const struct contact_losses 
 /* Brings the members' history up to date with what the kernels did; to be called before it is read. */
 void contact_list_read(struct contact_list *list);
 
+/* The history of member k as it is now, without contact_list_read. */
+double contact_list_history(const struct contact_list *list, int k);
+double contact_list_spring(const struct contact_list *list, int component, int k);
+bool contact_list_slides(const struct contact_list *list, int k);
+
 /* The history of member f of `from` becomes that of member t of `to`, a list of the same model; or none. For lists
  * that are read and not closed yet. */
 void contact_list_carry(struct contact_list *to, int t, const struct contact_list *from, int f);
 void contact_list_clear(struct contact_list *to, int t);
 
-/* Hands the list over to the kernels: completes the last set with padding pairs, particles->count and the one behind
- * it, and sets the rows. To be called whenever i, j or the history have changed. Errors: STATUS_NO_MEMORY. */
+/* Hands the list over to the kernels: finds slots and copies the history there. To be called whenever i, j, reach or
+ * the history have changed. Errors: STATUS_NO_MEMORY. */
 enum status contact_list_close(struct contact_list *list, const struct particles *particles) MUST_USE;
 
 /* Makes room for `capacity` members; contents are kept. */

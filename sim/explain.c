@@ -8,17 +8,22 @@
 static size_t bytes_per_particle(const struct particles *p)
 {
     bool frictional = p->n_rotations > 0;
-    int reals = 4 * p->dimension + 2 * p->n_rotations + 3 + frictional; /* x v a x_list, omega alpha, radius mass ... */
-    reals += RECORD_STRIDE(p->dimension, frictional) + FORCE_STRIDE(p->dimension, frictional);
-    return (size_t)reals * sizeof(double);
+    size_t real = p->single ? sizeof(float) : sizeof(double);
+    size_t reals =
+        4 * (size_t)p->dimension + 2 * (size_t)p->n_rotations + 3; /* x v a x_list, omega alpha, radius ... */
+    size_t sums = RECORD_STRIDE(p->dimension, frictional, p->single) / 2 * sizeof(double);
+    size_t columns = (size_t)(p->dimension + p->n_rotations) * real;
+    size_t views = p->single ? (size_t)(p->dimension + p->n_rotations + frictional) * sizeof(float) : 0;
+    return (reals + frictional) * sizeof(double) + 3 * sums + columns + views;
 }
 
-static size_t bytes_per_candidate(const struct contact_list *list, int dimension)
+/* What the kernels read and write. */
+static size_t bytes_per_candidate(const struct contact_list *list)
 {
-    size_t bytes = 4 * sizeof(int32_t) + (size_t)(dimension + 1) * sizeof(double);
-    bytes += list->hysteretic ? sizeof(double) : 0;
-    bytes += list->n_springs ? (2 * (size_t)list->n_springs + 1) * sizeof(double) : 0;
-    return bytes;
+    size_t real = list->single ? sizeof(float) : sizeof(double), reals = 1;
+    reals += list->hysteretic;
+    reals += list->n_springs ? (1 + (size_t)list->single) * (size_t)list->n_springs + 1 : 0;
+    return sizeof(uint32_t) + (list->single ? sizeof(double) : 0) + reals * real;
 }
 
 static void explain_contact_time(FILE *out, const struct world *world)
@@ -55,7 +60,7 @@ enum status explain_scene(FILE *out, const struct scene *scene)
     fprintf(out, "modelled per candidate contact: force%s%s: %zu bytes\n",
             world->pairs.hysteretic ? ", largest overlap" : "",
             world->pairs.n_springs ? ", tangential spring, stick or slide" : "; no tangential force",
-            bytes_per_candidate(&world->pairs, p->dimension));
+            bytes_per_candidate(&world->pairs));
     fprintf(out, "starting box %g x %g", world_box_length_m(world, 0), world_box_length_m(world, 1));
     if (p->dimension == 3)
         fprintf(out, " x %g", world_box_length_m(world, 2));

@@ -1,49 +1,100 @@
-/* Instantiates kernel_tmpl.h for every model under the including file's ISA, and the table of them:
- * [dimension - 2][hysteretic][frictional]. */
+/* Instantiates the kernels for every model and precision under the including file's ISA, and the table of them:
+ * [dimension - 2][hysteretic][frictional][single]. */
 #define DIM        2
 #define HYSTERETIC 0
 #define FRICTIONAL 0
-#include "sim/kernel_tmpl.h"
-#undef FRICTIONAL
+#define SINGLE     0
+#include "sim/kernel_model.h"
+#define DIM        2
+#define HYSTERETIC 0
+#define FRICTIONAL 0
+#define SINGLE     1
+#include "sim/kernel_model.h"
+#define DIM        2
+#define HYSTERETIC 0
 #define FRICTIONAL 1
-#include "sim/kernel_tmpl.h"
-#undef HYSTERETIC
-#undef FRICTIONAL
+#define SINGLE     0
+#include "sim/kernel_model.h"
+#define DIM        2
+#define HYSTERETIC 0
+#define FRICTIONAL 1
+#define SINGLE     1
+#include "sim/kernel_model.h"
+#define DIM        2
 #define HYSTERETIC 1
 #define FRICTIONAL 0
-#include "sim/kernel_tmpl.h"
-#undef FRICTIONAL
+#define SINGLE     0
+#include "sim/kernel_model.h"
+#define DIM        2
+#define HYSTERETIC 1
+#define FRICTIONAL 0
+#define SINGLE     1
+#include "sim/kernel_model.h"
+#define DIM        2
+#define HYSTERETIC 1
 #define FRICTIONAL 1
-#include "sim/kernel_tmpl.h"
-#undef DIM
-#undef HYSTERETIC
-#undef FRICTIONAL
+#define SINGLE     0
+#include "sim/kernel_model.h"
+#define DIM        2
+#define HYSTERETIC 1
+#define FRICTIONAL 1
+#define SINGLE     1
+#include "sim/kernel_model.h"
 #define DIM        3
 #define HYSTERETIC 0
 #define FRICTIONAL 0
-#include "sim/kernel_tmpl.h"
-#undef FRICTIONAL
+#define SINGLE     0
+#include "sim/kernel_model.h"
+#define DIM        3
+#define HYSTERETIC 0
+#define FRICTIONAL 0
+#define SINGLE     1
+#include "sim/kernel_model.h"
+#define DIM        3
+#define HYSTERETIC 0
 #define FRICTIONAL 1
-#include "sim/kernel_tmpl.h"
-#undef HYSTERETIC
-#undef FRICTIONAL
+#define SINGLE     0
+#include "sim/kernel_model.h"
+#define DIM        3
+#define HYSTERETIC 0
+#define FRICTIONAL 1
+#define SINGLE     1
+#include "sim/kernel_model.h"
+#define DIM        3
 #define HYSTERETIC 1
 #define FRICTIONAL 0
-#include "sim/kernel_tmpl.h"
-#undef FRICTIONAL
+#define SINGLE     0
+#include "sim/kernel_model.h"
+#define DIM        3
+#define HYSTERETIC 1
+#define FRICTIONAL 0
+#define SINGLE     1
+#include "sim/kernel_model.h"
+#define DIM        3
+#define HYSTERETIC 1
 #define FRICTIONAL 1
-#include "sim/kernel_tmpl.h"
+#define SINGLE     0
+#include "sim/kernel_model.h"
+#define DIM        3
+#define HYSTERETIC 1
+#define FRICTIONAL 1
+#define SINGLE     1
+#include "sim/kernel_model.h"
 
-#define ENTRY(d, h, f)                                                                                                 \
+#define ENTRY(d, h, f, s)                                                                                              \
     {                                                                                                                  \
-        NAME__(pair, ISA, d, h, f), NAME__(wall, ISA, d, h, f), NAME__(drift, ISA, d, h, f),                           \
-            NAME__(kick, ISA, d, h, f)                                                                                 \
+        NAME__(pair, ISA, d, h, f, s), NAME__(wall, ISA, d, h, f, s), NAME__(drift, ISA, d, h, f, s),                  \
+            NAME__(kick, ISA, d, h, f, s), NAME__(advance, ISA, d, h, f, s)                                            \
+    }
+#define PRECISIONS(d, h, f)                                                                                            \
+    {                                                                                                                  \
+        ENTRY(d, h, f, 0), ENTRY(d, h, f, 1)                                                                           \
     }
 #define TABLE__(isa) kernel_table_##isa
 #define TABLE_(isa)  TABLE__(isa)
 
-extern const struct kernels TABLE_(ISA)[2][2][2];
-const struct kernels TABLE_(ISA)[2][2][2] = {
-    {{ENTRY(2, 0, 0), ENTRY(2, 0, 1)}, {ENTRY(2, 1, 0), ENTRY(2, 1, 1)}},
-    {{ENTRY(3, 0, 0), ENTRY(3, 0, 1)}, {ENTRY(3, 1, 0), ENTRY(3, 1, 1)}},
+extern const struct kernels TABLE_(ISA)[2][2][2][2];
+const struct kernels TABLE_(ISA)[2][2][2][2] = {
+    {{PRECISIONS(2, 0, 0), PRECISIONS(2, 0, 1)}, {PRECISIONS(2, 1, 0), PRECISIONS(2, 1, 1)}},
+    {{PRECISIONS(3, 0, 0), PRECISIONS(3, 0, 1)}, {PRECISIONS(3, 1, 0), PRECISIONS(3, 1, 1)}},
 };

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Tables of kernel_models.h: [dimension - 2][hysteretic][frictional] */
-#define DECLARE_TABLE(name) extern const struct kernels kernel_table_##name[2][2][2];
+/* Tables of kernel_models.h: [dimension - 2][hysteretic][frictional][single] */
+#define DECLARE_TABLE(name) extern const struct kernels kernel_table_##name[2][2][2][2];
 KERNEL_ISA_LIST(DECLARE_TABLE)
 #undef DECLARE_TABLE
 
@@ -47,12 +47,12 @@ enum status kernel_isa_select(enum kernel_isa *isa)
     return status_fail(STATUS_USAGE, "SHAKEDOWN_ISA=%s is unknown; allowed: reference avx2 avx512", forced);
 }
 
-struct kernels kernels_select(enum kernel_isa isa, int dimension, bool hysteretic, bool frictional)
+struct kernels kernels_select(enum kernel_isa isa, int dimension, bool hysteretic, bool frictional, bool single)
 {
-    static const struct kernels(*const tables[ISA_COUNT])[2][2] = {
+    static const struct kernels(*const tables[ISA_COUNT])[2][2][2] = {
 #define TABLE(name) kernel_table_##name,
         KERNEL_ISA_LIST(TABLE)
 #undef TABLE
     };
-    return tables[isa][dimension - 2][hysteretic][frictional];
+    return tables[isa][dimension - 2][hysteretic][frictional][single];
 }

@@ -11,8 +11,8 @@ struct kick_constants {
     double gravity[3];        /* m/s^2, components as the particles' */
 };
 
-/* Forces and moments of the pairs in sets first ... last - 1 of the list, added to `force`: particles->force, zeroed by
- * drift, or another array of that kind (particles.h), so that ranges can be done at the same time. History, springs and
+/* Forces and moments of the pairs in sets first ... last - 1 of the list, added to `force`: particles->force, or
+ * another array of that kind (particles.h), so that ranges can be done at the same time. History, springs and
  * sliding change. Adds the energy lost. */
 typedef void pair_kernel(const struct particles *particles, struct contact_list *pairs, int first, int last,
                          const struct contact_law_constants *law, void *force, struct contact_losses *losses);
@@ -21,18 +21,23 @@ typedef void pair_kernel(const struct particles *particles, struct contact_list 
 typedef void wall_kernel(struct particles *particles, struct wall *wall, const struct contact_law_constants *law,
                          struct contact_losses *losses);
 
-/* Positions of the next step and velocities predicted for it; makes the records, zeroes the sums. True if a particle is
- * further than reach_m from where the lists were built, or not finite. dt_s = 0 does only that. */
+/* Positions of the next step and velocities predicted for it; makes the records. True if a particle is further than
+ * reach_m from where the lists were built, or not finite. dt_s = 0 does only that. */
 typedef bool drift_kernel(struct particles *particles, double dt_s, double reach_m);
 
-/* Accelerations and corrected velocities; returns the power that background damping takes [W]. */
+/* Accelerations and corrected velocities; zeroes the sums. Returns the power that background damping takes [W]. */
 typedef double kick_kernel(struct particles *particles, const struct kick_constants *constants);
+
+/* The kick of a step and the drift of the next in one pass, the same bits as one after the other. */
+typedef bool advance_kernel(struct particles *particles, const struct kick_constants *constants, double dt_s,
+                            double reach_m, double *background_w);
 
 struct kernels {
     pair_kernel *pair;
     wall_kernel *wall;
     drift_kernel *drift;
     kick_kernel *kick;
+    advance_kernel *advance;
 };
 
 /* Instruction sets, in the order of preference. */
@@ -51,7 +56,7 @@ bool kernel_isa_supported(enum kernel_isa isa);
  * cannot run it. */
 enum status kernel_isa_select(enum kernel_isa *isa) MUST_USE;
 
-/* Kernels specialised for a model. dimension 2 or 3. */
-struct kernels kernels_select(enum kernel_isa isa, int dimension, bool hysteretic, bool frictional);
+/* Kernels specialised for a model. dimension 2 or 3; single: contacts in float (mixed precision). */
+struct kernels kernels_select(enum kernel_isa isa, int dimension, bool hysteretic, bool frictional, bool single);
 
 #endif

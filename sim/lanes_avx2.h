@@ -1,135 +1,303 @@
-/* Four contacts at a time with AVX2. */
+/* Four doubles or eight floats at a time with AVX2; what each does is said in lanes_reference.h. */
 #include <immintrin.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#define LANES 4
-typedef __m256d real;
-typedef __m256d mask;
-typedef __m128i indices;
+#define F64_LANES 4
+#define F32_LANES 8
+typedef __m256d f64;
+typedef __m256d f64_mask;
+typedef __m256 f32;
+typedef __m128 f32h;
+typedef __m256 f32_mask;
 
 #define LANES_INLINE static inline __attribute__((always_inline))
 
-LANES_INLINE real real_all(double x)
+LANES_INLINE f64 f64_all(double x)
 {
     return _mm256_set1_pd(x);
 }
-LANES_INLINE real real_load(const double *from)
+LANES_INLINE f32 f32_all(double x)
+{
+    return _mm256_set1_ps((float)x);
+}
+LANES_INLINE f64 f64_load(const double *from)
 {
     return _mm256_loadu_pd(from);
 }
-LANES_INLINE void real_store(double *to, real x)
+LANES_INLINE f32 f32_load(const float *from)
+{
+    return _mm256_loadu_ps(from);
+}
+LANES_INLINE void f64_store(double *to, f64 x)
 {
     _mm256_storeu_pd(to, x);
 }
-LANES_INLINE indices indices_load(const int32_t *from)
+LANES_INLINE void f32_store(float *to, f32 x)
 {
-    return _mm_loadu_si128((const __m128i *)from);
+    _mm256_storeu_ps(to, x);
 }
-LANES_INLINE real real_gather(const double *base, indices at)
+LANES_INLINE void f32h_store(float *to, f32h x)
 {
-    return _mm256_i32gather_pd(base, at, 8);
+    _mm_storeu_ps(to, x);
 }
-LANES_INLINE mask mask_greater(real a, real b)
+LANES_INLINE f32h f32h_load(const float *from)
+{
+    return _mm_loadu_ps(from);
+}
+LANES_INLINE f64_mask f64_greater(f64 a, f64 b)
 {
     return _mm256_cmp_pd(a, b, _CMP_GT_OQ);
 }
-LANES_INLINE mask mask_at_least(real a, real b)
+LANES_INLINE f32_mask f32_greater(f32 a, f32 b)
+{
+    return _mm256_cmp_ps(a, b, _CMP_GT_OQ);
+}
+LANES_INLINE f64_mask f64_at_least(f64 a, f64 b)
 {
     return _mm256_cmp_pd(a, b, _CMP_GE_OQ);
 }
-LANES_INLINE mask mask_and(mask a, mask b)
+LANES_INLINE f32_mask f32_at_least(f32 a, f32 b)
+{
+    return _mm256_cmp_ps(a, b, _CMP_GE_OQ);
+}
+LANES_INLINE f64_mask f64_and(f64_mask a, f64_mask b)
 {
     return _mm256_and_pd(a, b);
 }
-LANES_INLINE real real_select(mask m, real a, real b)
+LANES_INLINE f32_mask f32_and(f32_mask a, f32_mask b)
+{
+    return _mm256_and_ps(a, b);
+}
+LANES_INLINE f64 f64_select(f64_mask m, f64 a, f64 b)
 {
     return _mm256_blendv_pd(b, a, m);
 }
-LANES_INLINE real real_larger(real a, real b) /* a > b ? a : b, also for NaN and zeros, as the reference */
+LANES_INLINE f32 f32_select(f32_mask m, f32 a, f32 b)
+{
+    return _mm256_blendv_ps(b, a, m);
+}
+LANES_INLINE f64 f64_larger(f64 a, f64 b)
 {
     return _mm256_max_pd(a, b);
 }
-LANES_INLINE real real_smaller(real a, real b)
+LANES_INLINE f32 f32_larger(f32 a, f32 b)
+{
+    return _mm256_max_ps(a, b);
+}
+LANES_INLINE f64 f64_smaller(f64 a, f64 b)
 {
     return _mm256_min_pd(a, b);
 }
-LANES_INLINE bool mask_all(mask m)
+LANES_INLINE f32 f32_smaller(f32 a, f32 b)
+{
+    return _mm256_min_ps(a, b);
+}
+LANES_INLINE bool f64_mask_all(f64_mask m)
 {
     return _mm256_movemask_pd(m) == 0xf;
 }
-LANES_INLINE real real_fma(real a, real b, real c)
+LANES_INLINE f64 f64_fma(f64 a, f64 b, f64 c)
 {
     return _mm256_fmadd_pd(a, b, c);
 }
-LANES_INLINE real real_rsqrt_seed(real x)
+LANES_INLINE f32 f32_fma(f32 a, f32 b, f32 c)
+{
+    return _mm256_fmadd_ps(a, b, c);
+}
+LANES_INLINE f32 f32_sqrt(f32 x)
+{
+    return _mm256_sqrt_ps(x);
+}
+LANES_INLINE f64 f64_rsqrt_seed(f64 x)
 {
     return _mm256_cvtps_pd(_mm_div_ps(_mm_set1_ps(1.0f), _mm_sqrt_ps(_mm256_cvtpd_ps(x))));
 }
-LANES_INLINE void lanes_transpose4(__m256d r0, __m256d r1, __m256d r2, __m256d r3, real *column)
+LANES_INLINE double f64_sum(f64 x)
 {
-    __m256d lo01 = _mm256_unpacklo_pd(r0, r1), hi01 = _mm256_unpackhi_pd(r0, r1);
-    __m256d lo23 = _mm256_unpacklo_pd(r2, r3), hi23 = _mm256_unpackhi_pd(r2, r3);
+    double lane[F64_LANES];
+    _mm256_storeu_pd(lane, x);
+    return (lane[0] + lane[1]) + (lane[2] + lane[3]);
+}
+LANES_INLINE f32h f64_narrow(f64 x)
+{
+    return _mm256_cvtpd_ps(x);
+}
+LANES_INLINE f64 f32h_widen(f32h x)
+{
+    return _mm256_cvtps_pd(x);
+}
+LANES_INLINE f32 f32_of(const f64 *part)
+{
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(part[0])), _mm256_cvtpd_ps(part[1]), 1);
+}
+LANES_INLINE void f32_widen(f32 x, f64 *part)
+{
+    part[0] = _mm256_cvtps_pd(_mm256_castps256_ps128(x));
+    part[1] = _mm256_cvtps_pd(_mm256_extractf128_ps(x, 1));
+}
+LANES_INLINE f64 f64_pair(f32h even, f32h odd)
+{
+    __m128 low = _mm_unpacklo_ps(even, odd), high = _mm_unpackhi_ps(even, odd);
+    return _mm256_castps_pd(_mm256_insertf128_ps(_mm256_castps128_ps256(low), high, 1));
+}
+LANES_INLINE f32 lanes_in_order(__m256 x) /* pairs 0 2 1 3 to 0 1 2 3 */
+{
+    return _mm256_castpd_ps(_mm256_permute4x64_pd(_mm256_castps_pd(x), 0xd8));
+}
+LANES_INLINE void f32_split(const f64 *part, f32 *even, f32 *odd)
+{
+    __m256 a = _mm256_castpd_ps(part[0]), b = _mm256_castpd_ps(part[1]);
+    *even = lanes_in_order(_mm256_shuffle_ps(a, b, 0x88));
+    *odd = lanes_in_order(_mm256_shuffle_ps(a, b, 0xdd));
+}
+/* Rows 0 and 2, 1 and 3 share registers: two halves from memory, and one shuffle a column. */
+LANES_INLINE f64 lanes_two(const double *low, const double *high)
+{
+    return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(low)), _mm_loadu_pd(high), 1);
+}
+LANES_INLINE void f64_gather4(const double *base, const uint32_t *row, f64 *column)
+{
+    for (int half = 0; half < 2; half++) {
+        const double *from = base + 2 * half;
+        f64 r02 = lanes_two(from + row[0], from + row[2]), r13 = lanes_two(from + row[1], from + row[3]);
+        column[2 * half] = _mm256_unpacklo_pd(r02, r13);
+        column[2 * half + 1] = _mm256_unpackhi_pd(r02, r13);
+    }
+}
+LANES_INLINE f32 lanes_two_quads(const double *base, uint32_t a, uint32_t b)
+{
+    f32 low = _mm256_castps128_ps256(_mm_loadu_ps((const float *)(base + a)));
+    return _mm256_insertf128_ps(low, _mm_loadu_ps((const float *)(base + b)), 1);
+}
+LANES_INLINE f32 lanes_low_pairs(f32 a, f32 b)
+{
+    return _mm256_castpd_ps(_mm256_unpacklo_pd(_mm256_castps_pd(a), _mm256_castps_pd(b)));
+}
+LANES_INLINE f32 lanes_high_pairs(f32 a, f32 b)
+{
+    return _mm256_castpd_ps(_mm256_unpackhi_pd(_mm256_castps_pd(a), _mm256_castps_pd(b)));
+}
+/* Transposes the 4 x 4 floats in each half of four registers. */
+LANES_INLINE void lanes_halves(const f32 *from, f32 *to)
+{
+    f32 lo01 = _mm256_unpacklo_ps(from[0], from[1]), hi01 = _mm256_unpackhi_ps(from[0], from[1]);
+    f32 lo23 = _mm256_unpacklo_ps(from[2], from[3]), hi23 = _mm256_unpackhi_ps(from[2], from[3]);
+    to[0] = lanes_low_pairs(lo01, lo23);
+    to[1] = lanes_high_pairs(lo01, lo23);
+    to[2] = lanes_low_pairs(hi01, hi23);
+    to[3] = lanes_high_pairs(hi01, hi23);
+}
+LANES_INLINE void f32_gather4(const double *base, const uint32_t *row, f32 *column)
+{
+    f32 rows[4];
+    for (int r = 0; r < 4; r++)
+        rows[r] = lanes_two_quads(base, row[r], row[4 + r]);
+    lanes_halves(rows, column);
+}
+LANES_INLINE void lanes_transpose4(f64 r0, f64 r1, f64 r2, f64 r3, f64 *column)
+{
+    f64 lo01 = _mm256_unpacklo_pd(r0, r1), hi01 = _mm256_unpackhi_pd(r0, r1);
+    f64 lo23 = _mm256_unpacklo_pd(r2, r3), hi23 = _mm256_unpackhi_pd(r2, r3);
     column[0] = _mm256_permute2f128_pd(lo01, lo23, 0x20);
     column[1] = _mm256_permute2f128_pd(hi01, hi23, 0x20);
     column[2] = _mm256_permute2f128_pd(lo01, lo23, 0x31);
     column[3] = _mm256_permute2f128_pd(hi01, hi23, 0x31);
 }
-LANES_INLINE void lanes_gather4(const double *base, const uint32_t *row, real *column)
-{
-    lanes_transpose4(_mm256_loadu_pd(base + row[0]), _mm256_loadu_pd(base + row[1]), _mm256_loadu_pd(base + row[2]),
-                     _mm256_loadu_pd(base + row[3]), column);
-}
-LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
-{
-    real row[4];
-    lanes_transpose4(column[0], column[1], column[2], column[3], row);
-    for (int r = 0; r < 4; r++)
-        _mm256_storeu_pd(to + stride * r, row[r]);
-}
-LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
+LANES_INLINE void f64_load4(const double *from, int stride, f64 *column)
 {
     lanes_transpose4(_mm256_loadu_pd(from), _mm256_loadu_pd(from + stride), _mm256_loadu_pd(from + 2 * stride),
                      _mm256_loadu_pd(from + 3 * stride), column);
 }
-LANES_INLINE double *lanes_half(double *base, uint32_t row)
+LANES_INLINE void f64_store4(double *to, int stride, const f64 *column)
 {
-    return (double *)((char *)base + sizeof(double) / 2 * (size_t)row);
-}
-LANES_INLINE void lanes_add_row2(double *to_i, double *to_j, __m128d row)
-{
-    _mm_storeu_pd(to_i, _mm_add_pd(_mm_loadu_pd(to_i), row));
-    _mm_storeu_pd(to_j, _mm_sub_pd(_mm_loadu_pd(to_j), row));
-}
-LANES_INLINE void lanes_add2(double *base, const uint32_t *i, const uint32_t *j, const real *column)
-{
-    __m256d even = _mm256_unpacklo_pd(column[0], column[1]), odd = _mm256_unpackhi_pd(column[0], column[1]);
-    lanes_add_row2(lanes_half(base, i[0]), lanes_half(base, j[0]), _mm256_castpd256_pd128(even));
-    lanes_add_row2(lanes_half(base, i[1]), lanes_half(base, j[1]), _mm256_castpd256_pd128(odd));
-    lanes_add_row2(lanes_half(base, i[2]), lanes_half(base, j[2]), _mm256_extractf128_pd(even, 1));
-    lanes_add_row2(lanes_half(base, i[3]), lanes_half(base, j[3]), _mm256_extractf128_pd(odd, 1));
-}
-LANES_INLINE void lanes_add4(double *base, const uint32_t *i, const uint32_t *j, const real *column, const double *sign)
-{
-    real row[4], signs = _mm256_loadu_pd(sign);
+    f64 row[4];
     lanes_transpose4(column[0], column[1], column[2], column[3], row);
-    for (int r = 0; r < LANES; r++) {
-        double *to_i = lanes_half(base, i[r]), *to_j = lanes_half(base, j[r]);
-        _mm256_storeu_pd(to_i, _mm256_loadu_pd(to_i) + row[r]);
-        _mm256_storeu_pd(to_j, _mm256_loadu_pd(to_j) + signs * row[r]);
-    }
+    for (int r = 0; r < 4; r++)
+        _mm256_storeu_pd(to + stride * r, row[r]);
 }
-LANES_INLINE void lanes_load2(const double *from, real *column)
+LANES_INLINE void f64_load2(const double *from, f64 *column)
 {
-    __m256d a = _mm256_loadu_pd(from), b = _mm256_loadu_pd(from + 4);
-    __m256d front = _mm256_permute2f128_pd(a, b, 0x20), back = _mm256_permute2f128_pd(a, b, 0x31);
+    f64 a = _mm256_loadu_pd(from), b = _mm256_loadu_pd(from + 4);
+    f64 front = _mm256_permute2f128_pd(a, b, 0x20), back = _mm256_permute2f128_pd(a, b, 0x31);
     column[0] = _mm256_unpacklo_pd(front, back);
     column[1] = _mm256_unpackhi_pd(front, back);
 }
-LANES_INLINE double real_sum(real x)
+LANES_INLINE void lanes_load_quads(const float *from, int stride, f32h *column)
 {
-    double lane[LANES];
-    _mm256_storeu_pd(lane, x);
-    return (lane[0] + lane[1]) + (lane[2] + lane[3]);
+    for (int r = 0; r < 4; r++)
+        column[r] = _mm_loadu_ps(from + stride * r);
+    _MM_TRANSPOSE4_PS(column[0], column[1], column[2], column[3]);
+}
+LANES_INLINE void f32h_load4(const float *from, f32h *column)
+{
+    lanes_load_quads(from, 4, column);
+}
+LANES_INLINE void f32h_load8(const float *from, f32h *column)
+{
+    lanes_load_quads(from, 8, column);
+    lanes_load_quads(from + 4, 8, column + 4);
+}
+LANES_INLINE void *lanes_half(void *base, uint32_t row)
+{
+    return (char *)base + sizeof(double) / 2 * (size_t)row;
+}
+/* Sums: the rows go through memory, so that no port is kept busy with taking registers apart; compilers would. */
+#define LANES_IN_MEMORY(array) __asm__("" : "+m"(array))
+LANES_INLINE void f64_add2(void *base, const uint32_t *row, const f64 *column)
+{
+    double buffer[2][4] __attribute__((aligned(32)));
+    _mm256_store_pd(buffer[0], _mm256_unpacklo_pd(column[0], column[1]));
+    _mm256_store_pd(buffer[1], _mm256_unpackhi_pd(column[0], column[1]));
+    for (int r = 0; r < 4; r++) {
+        double *to = lanes_half(base, row[r]);
+        _mm_storeu_pd(to, _mm_loadu_pd(to) + _mm_load_pd(&buffer[r & 1][r & 2]));
+    }
+}
+LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
+{
+    f64 rows[4];
+    lanes_transpose4(column[0], column[1], column[2], column[3], rows);
+    for (int r = 0; r < 4; r++) {
+        double *to = lanes_half(base, row[r]);
+        _mm256_storeu_pd(to, _mm256_loadu_pd(to) + rows[r]);
+    }
+}
+LANES_INLINE void f32_add2(void *base, const uint32_t *row, const f32 *column)
+{
+    float buffer[2][8] __attribute__((aligned(32)));
+    _mm256_store_ps(buffer[0], _mm256_unpacklo_ps(column[0], column[1])); /* rows 0 1 | 4 5 */
+    _mm256_store_ps(buffer[1], _mm256_unpackhi_ps(column[0], column[1]));
+    for (int r = 0; r < 8; r++) {
+        float *to = lanes_half(base, row[r]);
+        __m128 add = _mm_castsi128_ps(_mm_loadu_si64(&buffer[(r & 2) / 2][(r & 4) + 2 * (r & 1)]));
+        _mm_storeu_si64(to, _mm_castps_si128(_mm_castsi128_ps(_mm_loadu_si64(to)) + add));
+    }
+}
+LANES_INLINE void f32_add4(void *base, const uint32_t *row, const f32 *column)
+{
+    float buffer[4][8] __attribute__((aligned(32)));
+    f32 rows[4];
+    lanes_halves(column, rows);
+    for (int k = 0; k < 4; k++)
+        _mm256_store_ps(buffer[k], rows[k]);
+    for (int r = 0; r < 8; r++) {
+        float *to = lanes_half(base, row[r]);
+        _mm_storeu_ps(to, _mm_loadu_ps(to) + _mm_load_ps(&buffer[r & 3][r & 4]));
+    }
+}
+LANES_INLINE void f32_add8(void *base, const uint32_t *row, const f32 *column)
+{
+    f32 low[4], high[4], rows[8];
+    lanes_halves(column, low);
+    lanes_halves(column + 4, high);
+    for (int q = 0; q < 4; q++) {
+        rows[q] = _mm256_permute2f128_ps(low[q], high[q], 0x20);
+        rows[4 + q] = _mm256_permute2f128_ps(low[q], high[q], 0x31);
+    }
+    for (int r = 0; r < 8; r++) {
+        float *to = lanes_half(base, row[r]);
+        _mm256_storeu_ps(to, _mm256_loadu_ps(to) + rows[r]);
+    }
 }

@@ -1,171 +1,339 @@
-/* Eight contacts at a time with AVX-512. */
+/* Eight doubles or sixteen floats at a time with AVX-512; what each does is said in lanes_reference.h. */
 #include <immintrin.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#define LANES 8
-typedef __m512d real;
-typedef __mmask8 mask;
-typedef __m256i indices;
+#define F64_LANES 8
+#define F32_LANES 16
+typedef __m512d f64;
+typedef __mmask8 f64_mask;
+typedef __m512 f32;
+typedef __m256 f32h;
+typedef __mmask16 f32_mask;
 
 #define LANES_INLINE static inline __attribute__((always_inline))
 
-LANES_INLINE real real_all(double x)
+LANES_INLINE f64 f64_all(double x)
 {
     return _mm512_set1_pd(x);
 }
-LANES_INLINE real real_load(const double *from)
+LANES_INLINE f32 f32_all(double x)
+{
+    return _mm512_set1_ps((float)x);
+}
+LANES_INLINE f64 f64_load(const double *from)
 {
     return _mm512_loadu_pd(from);
 }
-LANES_INLINE void real_store(double *to, real x)
+LANES_INLINE f32 f32_load(const float *from)
+{
+    return _mm512_loadu_ps(from);
+}
+LANES_INLINE void f64_store(double *to, f64 x)
 {
     _mm512_storeu_pd(to, x);
 }
-LANES_INLINE indices indices_load(const int32_t *from)
+LANES_INLINE void f32_store(float *to, f32 x)
 {
-    return _mm256_loadu_si256((const __m256i *)from);
+    _mm512_storeu_ps(to, x);
 }
-LANES_INLINE real real_gather(const double *base, indices at)
+LANES_INLINE void f32h_store(float *to, f32h x)
 {
-    return _mm512_i32gather_pd(at, base, 8);
+    _mm256_storeu_ps(to, x);
 }
-LANES_INLINE mask mask_greater(real a, real b)
+LANES_INLINE f32h f32h_load(const float *from)
+{
+    return _mm256_loadu_ps(from);
+}
+LANES_INLINE f64_mask f64_greater(f64 a, f64 b)
 {
     return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
 }
-LANES_INLINE mask mask_at_least(real a, real b)
+LANES_INLINE f32_mask f32_greater(f32 a, f32 b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ);
+}
+LANES_INLINE f64_mask f64_at_least(f64 a, f64 b)
 {
     return _mm512_cmp_pd_mask(a, b, _CMP_GE_OQ);
 }
-LANES_INLINE mask mask_and(mask a, mask b)
+LANES_INLINE f32_mask f32_at_least(f32 a, f32 b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_GE_OQ);
+}
+LANES_INLINE f64_mask f64_and(f64_mask a, f64_mask b)
 {
     return a & b;
 }
-LANES_INLINE real real_select(mask m, real a, real b)
+LANES_INLINE f32_mask f32_and(f32_mask a, f32_mask b)
+{
+    return a & b;
+}
+LANES_INLINE f64 f64_select(f64_mask m, f64 a, f64 b)
 {
     return _mm512_mask_blend_pd(m, b, a);
 }
-LANES_INLINE real real_larger(real a, real b) /* a > b ? a : b, also for NaN and zeros, as the reference */
+LANES_INLINE f32 f32_select(f32_mask m, f32 a, f32 b)
+{
+    return _mm512_mask_blend_ps(m, b, a);
+}
+LANES_INLINE f64 f64_larger(f64 a, f64 b)
 {
     return _mm512_max_pd(a, b);
 }
-LANES_INLINE real real_smaller(real a, real b)
+LANES_INLINE f32 f32_larger(f32 a, f32 b)
+{
+    return _mm512_max_ps(a, b);
+}
+LANES_INLINE f64 f64_smaller(f64 a, f64 b)
 {
     return _mm512_min_pd(a, b);
 }
-LANES_INLINE bool mask_all(mask m)
+LANES_INLINE f32 f32_smaller(f32 a, f32 b)
+{
+    return _mm512_min_ps(a, b);
+}
+LANES_INLINE bool f64_mask_all(f64_mask m)
 {
     return m == 0xff;
 }
-LANES_INLINE real real_fma(real a, real b, real c)
+LANES_INLINE f64 f64_fma(f64 a, f64 b, f64 c)
 {
     return _mm512_fmadd_pd(a, b, c);
 }
-LANES_INLINE real real_rsqrt_seed(real x)
+LANES_INLINE f32 f32_fma(f32 a, f32 b, f32 c)
+{
+    return _mm512_fmadd_ps(a, b, c);
+}
+LANES_INLINE f32 f32_sqrt(f32 x)
+{
+    return _mm512_sqrt_ps(x);
+}
+LANES_INLINE f64 f64_rsqrt_seed(f64 x)
 {
     return _mm512_cvtps_pd(_mm256_div_ps(_mm256_set1_ps(1.0f), _mm256_sqrt_ps(_mm512_cvtpd_ps(x))));
 }
+LANES_INLINE double f64_sum(f64 x)
+{
+    double lane[F64_LANES];
+    _mm512_storeu_pd(lane, x);
+    return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
+}
+LANES_INLINE f32h f64_narrow(f64 x)
+{
+    return _mm512_cvtpd_ps(x);
+}
+LANES_INLINE f64 f32h_widen(f32h x)
+{
+    return _mm512_cvtps_pd(x);
+}
+LANES_INLINE f32 f32_of(const f64 *part)
+{
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(part[0])), _mm512_cvtpd_ps(part[1]), 1);
+}
+LANES_INLINE void f32_widen(f32 x, f64 *part)
+{
+    part[0] = _mm512_cvtps_pd(_mm512_castps512_ps256(x));
+    part[1] = _mm512_cvtps_pd(_mm512_extractf32x8_ps(x, 1));
+}
+LANES_INLINE f64 f64_pair(f32h even, f32h odd)
+{
+    __m512i low = _mm512_cvtepu32_epi64(_mm256_castps_si256(even)),
+            high = _mm512_cvtepu32_epi64(_mm256_castps_si256(odd));
+    return _mm512_castsi512_pd(_mm512_or_si512(low, _mm512_slli_epi64(high, 32)));
+}
+LANES_INLINE void f32_split(const f64 *part, f32 *even, f32 *odd)
+{
+    const __m512i evens = _mm512_set_epi32(30, 28, 26, 24, 22, 20, 18, 16, 14, 12, 10, 8, 6, 4, 2, 0),
+                  odds = _mm512_set_epi32(31, 29, 27, 25, 23, 21, 19, 17, 15, 13, 11, 9, 7, 5, 3, 1);
+    __m512 a = _mm512_castpd_ps(part[0]), b = _mm512_castpd_ps(part[1]);
+    *even = _mm512_permutex2var_ps(a, evens, b);
+    *odd = _mm512_permutex2var_ps(a, odds, b);
+}
 /* Two records of 4 doubles in one register. */
-LANES_INLINE __m512d lanes_two(const double *low, const double *high)
+LANES_INLINE f64 lanes_two(const double *low, const double *high)
 {
     return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high), 1);
 }
 /* Rows 0 and 2, 1 and 3, 4 and 6, 5 and 7 in one register each: then two shuffles a column bring them in order. */
-LANES_INLINE void lanes_transpose4(__m512d r02, __m512d r13, __m512d r46, __m512d r57, real *column)
+LANES_INLINE void lanes_transpose4(f64 r02, f64 r13, f64 r46, f64 r57, f64 *column)
 {
-    __m512d lo0 = _mm512_unpacklo_pd(r02, r13), hi0 = _mm512_unpackhi_pd(r02, r13);
-    __m512d lo4 = _mm512_unpacklo_pd(r46, r57), hi4 = _mm512_unpackhi_pd(r46, r57);
+    f64 lo0 = _mm512_unpacklo_pd(r02, r13), hi0 = _mm512_unpackhi_pd(r02, r13);
+    f64 lo4 = _mm512_unpacklo_pd(r46, r57), hi4 = _mm512_unpackhi_pd(r46, r57);
     column[0] = _mm512_shuffle_f64x2(lo0, lo4, 0x88);
     column[1] = _mm512_shuffle_f64x2(hi0, hi4, 0x88);
     column[2] = _mm512_shuffle_f64x2(lo0, lo4, 0xdd);
     column[3] = _mm512_shuffle_f64x2(hi0, hi4, 0xdd);
 }
-LANES_INLINE void lanes_gather4(const double *base, const uint32_t *row, real *column)
+LANES_INLINE void f64_gather4(const double *base, const uint32_t *row, f64 *column)
 {
     lanes_transpose4(lanes_two(base + row[0], base + row[2]), lanes_two(base + row[1], base + row[3]),
                      lanes_two(base + row[4], base + row[6]), lanes_two(base + row[5], base + row[7]), column);
 }
-LANES_INLINE void lanes_load4(const double *from, int stride, real *column)
+/* Four records of 4 floats, one in each quarter. */
+LANES_INLINE f32 lanes_four(const double *base, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
+{
+    f32 all = _mm512_castps128_ps512(_mm_loadu_ps((const float *)(base + a)));
+    all = _mm512_insertf32x4(all, _mm_loadu_ps((const float *)(base + b)), 1);
+    all = _mm512_insertf32x4(all, _mm_loadu_ps((const float *)(base + c)), 2);
+    return _mm512_insertf32x4(all, _mm_loadu_ps((const float *)(base + d)), 3);
+}
+LANES_INLINE f32 lanes_low_pairs(f32 a, f32 b)
+{
+    return _mm512_castpd_ps(_mm512_unpacklo_pd(_mm512_castps_pd(a), _mm512_castps_pd(b)));
+}
+LANES_INLINE f32 lanes_high_pairs(f32 a, f32 b)
+{
+    return _mm512_castpd_ps(_mm512_unpackhi_pd(_mm512_castps_pd(a), _mm512_castps_pd(b)));
+}
+/* Transposes the 4 x 4 floats in each quarter of four registers. */
+LANES_INLINE void lanes_quarters(const f32 *from, f32 *to)
+{
+    f32 lo01 = _mm512_unpacklo_ps(from[0], from[1]), hi01 = _mm512_unpackhi_ps(from[0], from[1]);
+    f32 lo23 = _mm512_unpacklo_ps(from[2], from[3]), hi23 = _mm512_unpackhi_ps(from[2], from[3]);
+    to[0] = lanes_low_pairs(lo01, lo23);
+    to[1] = lanes_high_pairs(lo01, lo23);
+    to[2] = lanes_low_pairs(hi01, hi23);
+    to[3] = lanes_high_pairs(hi01, hi23);
+}
+LANES_INLINE void f32_gather4(const double *base, const uint32_t *row, f32 *column)
+{
+    f32 rows[4] = {lanes_four(base, row[0], row[4], row[8], row[12]), lanes_four(base, row[1], row[5], row[9], row[13]),
+                   lanes_four(base, row[2], row[6], row[10], row[14]),
+                   lanes_four(base, row[3], row[7], row[11], row[15])};
+    lanes_quarters(rows, column);
+}
+LANES_INLINE void f64_load4(const double *from, int stride, f64 *column)
 {
     lanes_transpose4(lanes_two(from, from + 2 * stride), lanes_two(from + stride, from + 3 * stride),
                      lanes_two(from + 4 * stride, from + 6 * stride), lanes_two(from + 5 * stride, from + 7 * stride),
                      column);
 }
 /* The inverse: rows 0 and 2, 1 and 3, 4 and 6, 5 and 7 in one register each. */
-LANES_INLINE void lanes_rows4(const real *column, __m512d *rows)
+LANES_INLINE void lanes_rows4(const f64 *column, f64 *rows)
 {
     const __m512i front = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0),
                   back = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
-    __m512d even01 = _mm512_unpacklo_pd(column[0], column[1]), odd01 = _mm512_unpackhi_pd(column[0], column[1]);
-    __m512d even23 = _mm512_unpacklo_pd(column[2], column[3]), odd23 = _mm512_unpackhi_pd(column[2], column[3]);
+    f64 even01 = _mm512_unpacklo_pd(column[0], column[1]), odd01 = _mm512_unpackhi_pd(column[0], column[1]);
+    f64 even23 = _mm512_unpacklo_pd(column[2], column[3]), odd23 = _mm512_unpackhi_pd(column[2], column[3]);
     rows[0] = _mm512_permutex2var_pd(even01, front, even23);
     rows[1] = _mm512_permutex2var_pd(odd01, front, odd23);
     rows[2] = _mm512_permutex2var_pd(even01, back, even23);
     rows[3] = _mm512_permutex2var_pd(odd01, back, odd23);
 }
-LANES_INLINE void lanes_store_two(double *low, double *high, __m512d rows)
+LANES_INLINE void lanes_store_two(double *low, double *high, f64 rows)
 {
     _mm256_storeu_pd(low, _mm512_castpd512_pd256(rows));
     _mm256_storeu_pd(high, _mm512_extractf64x4_pd(rows, 1));
 }
-LANES_INLINE void lanes_store4(double *to, int stride, const real *column)
+LANES_INLINE void f64_store4(double *to, int stride, const f64 *column)
 {
-    __m512d rows[4];
+    f64 rows[4];
     lanes_rows4(column, rows);
     lanes_store_two(to, to + 2 * stride, rows[0]);
     lanes_store_two(to + stride, to + 3 * stride, rows[1]);
     lanes_store_two(to + 4 * stride, to + 6 * stride, rows[2]);
     lanes_store_two(to + 5 * stride, to + 7 * stride, rows[3]);
 }
-LANES_INLINE double *lanes_half(double *base, uint32_t row)
-{
-    return (double *)((char *)base + sizeof(double) / 2 * (size_t)row);
-}
-LANES_INLINE void lanes_add_row2(double *to_i, double *to_j, __m128d row)
-{
-    _mm_storeu_pd(to_i, _mm_add_pd(_mm_loadu_pd(to_i), row));
-    _mm_storeu_pd(to_j, _mm_sub_pd(_mm_loadu_pd(to_j), row));
-}
-LANES_INLINE void lanes_add2(double *base, const uint32_t *i, const uint32_t *j, const real *column)
-{
-    __m512d even = _mm512_unpacklo_pd(column[0], column[1]), odd = _mm512_unpackhi_pd(column[0], column[1]);
-    lanes_add_row2(lanes_half(base, i[0]), lanes_half(base, j[0]), _mm512_extractf64x2_pd(even, 0));
-    lanes_add_row2(lanes_half(base, i[1]), lanes_half(base, j[1]), _mm512_extractf64x2_pd(odd, 0));
-    lanes_add_row2(lanes_half(base, i[2]), lanes_half(base, j[2]), _mm512_extractf64x2_pd(even, 1));
-    lanes_add_row2(lanes_half(base, i[3]), lanes_half(base, j[3]), _mm512_extractf64x2_pd(odd, 1));
-    lanes_add_row2(lanes_half(base, i[4]), lanes_half(base, j[4]), _mm512_extractf64x2_pd(even, 2));
-    lanes_add_row2(lanes_half(base, i[5]), lanes_half(base, j[5]), _mm512_extractf64x2_pd(odd, 2));
-    lanes_add_row2(lanes_half(base, i[6]), lanes_half(base, j[6]), _mm512_extractf64x2_pd(even, 3));
-    lanes_add_row2(lanes_half(base, i[7]), lanes_half(base, j[7]), _mm512_extractf64x2_pd(odd, 3));
-}
-LANES_INLINE void lanes_add_row4(double *to_i, double *to_j, __m256d row, __m256d sign)
-{
-    _mm256_storeu_pd(to_i, _mm256_loadu_pd(to_i) + row);
-    _mm256_storeu_pd(to_j, _mm256_loadu_pd(to_j) + sign * row);
-}
-LANES_INLINE void lanes_add4(double *base, const uint32_t *i, const uint32_t *j, const real *column, const double *sign)
-{
-    __m512d rows[4];
-    __m256d signs = _mm256_loadu_pd(sign);
-    lanes_rows4(column, rows);
-    for (int r = 0; r < LANES; r++) { /* unrolled: rows[] holds 0|2, 1|3, 4|6, 5|7 */
-        __m512d both = rows[(r & 1) + (r & 4) / 2];
-        __m256d row = r & 2 ? _mm512_extractf64x4_pd(both, 1) : _mm512_castpd512_pd256(both);
-        lanes_add_row4(lanes_half(base, i[r]), lanes_half(base, j[r]), row, signs);
-    }
-}
-LANES_INLINE void lanes_load2(const double *from, real *column)
+LANES_INLINE void f64_load2(const double *from, f64 *column)
 {
     const __m512i even = _mm512_set_epi64(14, 12, 10, 8, 6, 4, 2, 0), odd = _mm512_set_epi64(15, 13, 11, 9, 7, 5, 3, 1);
-    __m512d a = _mm512_loadu_pd(from), b = _mm512_loadu_pd(from + 8);
+    f64 a = _mm512_loadu_pd(from), b = _mm512_loadu_pd(from + 8);
     column[0] = _mm512_permutex2var_pd(a, even, b);
     column[1] = _mm512_permutex2var_pd(a, odd, b);
 }
-LANES_INLINE double real_sum(real x)
+/* Columns of eight rows of 4 floats, of which `a` has the first four: as two registers of two columns each. */
+LANES_INLINE void lanes_columns4(f32 a, f32 b, f32h *column)
 {
-    double lane[LANES];
-    _mm512_storeu_pd(lane, x);
-    return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
+    const __m512i first = _mm512_set_epi32(29, 25, 21, 17, 13, 9, 5, 1, 28, 24, 20, 16, 12, 8, 4, 0),
+                  second = _mm512_set_epi32(31, 27, 23, 19, 15, 11, 7, 3, 30, 26, 22, 18, 14, 10, 6, 2);
+    f32 front = _mm512_permutex2var_ps(a, first, b), back = _mm512_permutex2var_ps(a, second, b);
+    column[0] = _mm512_castps512_ps256(front);
+    column[1] = _mm512_extractf32x8_ps(front, 1);
+    column[2] = _mm512_castps512_ps256(back);
+    column[3] = _mm512_extractf32x8_ps(back, 1);
+}
+LANES_INLINE void f32h_load4(const float *from, f32h *column)
+{
+    lanes_columns4(_mm512_loadu_ps(from), _mm512_loadu_ps(from + 16), column);
+}
+LANES_INLINE void f32h_load8(const float *from, f32h *column)
+{
+    f32 z[4];
+    for (int r = 0; r < 4; r++)
+        z[r] = _mm512_loadu_ps(from + 16 * r);
+    lanes_columns4(_mm512_shuffle_f32x4(z[0], z[1], 0x88), _mm512_shuffle_f32x4(z[2], z[3], 0x88), column);
+    lanes_columns4(_mm512_shuffle_f32x4(z[0], z[1], 0xdd), _mm512_shuffle_f32x4(z[2], z[3], 0xdd), column + 4);
+}
+LANES_INLINE void *lanes_half(void *base, uint32_t row)
+{
+    return (char *)base + sizeof(double) / 2 * (size_t)row;
+}
+/* Sums: the rows go through memory, so that no port is kept busy with taking registers apart; compilers would. */
+#define LANES_IN_MEMORY(array) __asm__("" : "+m"(array))
+LANES_INLINE void lanes_add_row2(double *to, const double *row)
+{
+    _mm_storeu_pd(to, _mm_loadu_pd(to) + _mm_loadu_pd(row));
+}
+LANES_INLINE void f64_add2(void *base, const uint32_t *row, const f64 *column)
+{
+    double buffer[2][8] __attribute__((aligned(64)));
+    _mm512_store_pd(buffer[0], _mm512_unpacklo_pd(column[0], column[1]));
+    _mm512_store_pd(buffer[1], _mm512_unpackhi_pd(column[0], column[1]));
+    for (int r = 0; r < 8; r++)
+        lanes_add_row2(lanes_half(base, row[r]), &buffer[r & 1][r & 6]);
+}
+LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
+{
+    double buffer[4][8] __attribute__((aligned(64)));
+    f64 rows[4];
+    lanes_rows4(column, rows);
+    for (int k = 0; k < 4; k++)
+        _mm512_store_pd(buffer[k], rows[k]);
+    for (int r = 0; r < 8; r++) { /* rows[] holds 0|2, 1|3, 4|6, 5|7 */
+        double *to = lanes_half(base, row[r]);
+        _mm256_storeu_pd(to, _mm256_loadu_pd(to) + _mm256_load_pd(&buffer[(r & 1) + (r & 4) / 2][2 * (r & 2)]));
+    }
+}
+LANES_INLINE void f32_add2(void *base, const uint32_t *row, const f32 *column)
+{
+    float buffer[2][16] __attribute__((aligned(64)));
+    _mm512_store_ps(buffer[0], _mm512_unpacklo_ps(column[0], column[1])); /* rows 0 1 | 4 5 | ... */
+    _mm512_store_ps(buffer[1], _mm512_unpackhi_ps(column[0], column[1]));
+    for (int r = 0; r < 16; r++) {
+        float *to = lanes_half(base, row[r]);
+        __m128 add = _mm_castsi128_ps(_mm_loadu_si64(&buffer[(r & 2) / 2][(r & 12) + 2 * (r & 1)]));
+        _mm_storeu_si64(to, _mm_castps_si128(_mm_castsi128_ps(_mm_loadu_si64(to)) + add));
+    }
+}
+LANES_INLINE void f32_add4(void *base, const uint32_t *row, const f32 *column)
+{
+    float buffer[4][16] __attribute__((aligned(64)));
+    f32 rows[4];
+    lanes_quarters(column, rows);
+    for (int k = 0; k < 4; k++)
+        _mm512_store_ps(buffer[k], rows[k]);
+    for (int r = 0; r < 16; r++) {
+        float *to = lanes_half(base, row[r]);
+        _mm_storeu_ps(to, _mm_loadu_ps(to) + _mm_load_ps(&buffer[r & 3][r & 12]));
+    }
+}
+LANES_INLINE void f32_add8(void *base, const uint32_t *row, const f32 *column)
+{
+    const __m512i front = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0),
+                  back = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
+    float buffer[8][16] __attribute__((aligned(64)));
+    f32 low[4], high[4];
+    lanes_quarters(column, low);
+    lanes_quarters(column + 4, high);
+    for (int q = 0; q < 4; q++) { /* rows q, 4 + q | 8 + q, 12 + q, whole */
+        f64 l = _mm512_castps_pd(low[q]), h = _mm512_castps_pd(high[q]);
+        _mm512_store_pd(buffer[2 * q], _mm512_permutex2var_pd(l, front, h));
+        _mm512_store_pd(buffer[2 * q + 1], _mm512_permutex2var_pd(l, back, h));
+    }
+    for (int r = 0; r < 16; r++) {
+        float *to = lanes_half(base, row[r]);
+        _mm256_storeu_ps(to, _mm256_loadu_ps(to) + _mm256_load_ps(&buffer[2 * (r & 3) + r / 8][2 * (r & 4)]));
+    }
 }

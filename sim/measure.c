@@ -110,10 +110,12 @@ static struct contact_forces contact_forces(const struct world *world, int l, in
     const double *n = g->n;
     struct contact_forces f = {0};
     double vt[3], ft[3], u = relative_velocity(world, l, k, n, vt);
-    f.elastic = list->hysteretic ? contact_elastic_force(law, g->overlap, list->history[k]) : law->k1 * g->overlap;
+    f.elastic =
+        list->hysteretic ? contact_elastic_force(law, g->overlap, contact_list_history(list, k)) : law->k1 * g->overlap;
     f.normal = f.elastic - law->gamma_n * u;
     for (int c = 0; c < list->n_springs; c++) {
-        double xi = list->spring[c][k] - 0.5 * world->dt * vt[c]; /* it is kept for the middle of the step to come */
+        double xi = contact_list_spring(list, c, k) -
+                    0.5 * world->dt * vt[c]; /* it is kept for the middle of the step to come */
         ft[c] = -law->kt * xi - law->gamma_t * vt[c];
         f.spring_energy += 0.5 * law->kt * xi * xi;
     }
@@ -178,7 +180,7 @@ static void add_contacts(const struct world *world, int l, struct measurement *m
         struct contact_forces f = contact_forces(world, l, k, &g);
         double smaller_radius = pair ? fmin(p->radius[list->i[k]], p->radius[list->j[k]]) : p->radius[list->i[k]];
         m->max_overlap_ratio = fmax(m->max_overlap_ratio, g.overlap / smaller_radius);
-        *sliding += pair && list->n_springs && list->sliding[k] > 0;
+        *sliding += pair && list->n_springs && contact_list_slides(list, k);
         m->n_contacts += pair;
         m->n_wall_contacts += !pair;
         for (int a = 0; a < dim; a++)
@@ -337,7 +339,7 @@ static void fill_contact(const struct world *world, int l, int k, const struct g
                                         .j = sign > 0 ? j : i,
                                         .overlap_m = g->overlap,
                                         .normal_force_n = f.normal,
-                                        .sliding = list->n_springs && list->sliding[k] > 0};
+                                        .sliding = list->n_springs && contact_list_slides(list, k)};
     for (int c = 0; c < dim; c++) {
         out->normal[c] = sign * g->n[c];
         out->tangential_force_n[c] = sign * f.tangential[c];

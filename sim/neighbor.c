@@ -10,6 +10,7 @@ static void list_model(struct contact_list *list, const struct particles *p, boo
 {
     list->hysteretic = hysteretic;
     list->n_springs = p->n_rotations;
+    list->single = p->single;
 }
 
 static enum status block_init(struct search_block *block, const struct particles *p)
@@ -40,7 +41,6 @@ enum status neighbor_init(struct neighbor *nb, const struct particles *p, double
     nb->search = search_select(isa);
     list_model(&nb->spare_pairs, p, hysteretic);
     list_model(&nb->spare_wall, p, hysteretic);
-    nb->spare_wall.keep_forces = true;
     TRY(cells_init(&nb->cells, p));
     TRY(block_init(&nb->block, p));
     return array_resize(&nb->row_first, sizeof(int32_t), (size_t)p->count + 2, 0);
@@ -123,9 +123,11 @@ static enum status carry_history(struct neighbor *nb, struct contact_list *to, s
             old++;
         nb->source[k] = old < from->count && pair_key(from, old) == key ? old : -1;
     }
-    double *const fresh[] = {to->history, to->sliding, to->spring[0], to->spring[1], to->spring[2]};
-    const double *const known[] = {from->history, from->sliding, from->spring[0], from->spring[1], from->spring[2]};
-    for (int a = 0; a < 5; a++) {
+    double *const fresh[] = {to->history,   to->sliding, to->spring[0], to->spring[1],
+                             to->spring[2], to->rest[0], to->rest[1],   to->rest[2]};
+    const double *const known[] = {from->history,   from->sliding, from->spring[0], from->spring[1],
+                                   from->spring[2], from->rest[0], from->rest[1],   from->rest[2]};
+    for (int a = 0; a < 8; a++) {
         if (fresh[a] && from->count)
             nb->search.carry(fresh[a], known[a], nb->source, to->count);
         else if (fresh[a])
@@ -152,7 +154,6 @@ static enum status build_pairs(struct neighbor *nb, const struct particles *p, s
     if (fresh->count)
         nb->search.add(fresh->reach, p->radius, fresh->i, fresh->j, fresh->count);
     TRY(contact_list_close(fresh, p));
-    fresh->keep_forces = pairs->keep_forces;
     swap_lists(pairs, fresh);
     return STATUS_OK;
 }

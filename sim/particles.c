@@ -13,16 +13,31 @@ static enum status components_resize(double **component, int n, int count)
     return STATUS_OK;
 }
 
-/* Two particles behind the last that fill up vectors: a metre apart, with radii that touch nothing. */
-static void pad(struct particles *p)
+static bool frictional(const struct particles *p)
 {
-    p->x[0][p->count + 1] = p->x_list[0][p->count + 1] = 1;
-    p->radius[p->count] = p->radius[p->count + 1] = -1e6;
-    /* drift does not reach the records of both when the last vector is full */
-    p->record[(size_t)(p->count + 1) * RECORD_STRIDE(p->dimension, p->n_rotations > 0)] = 1;
+    return p->n_rotations > 0;
 }
 
-enum status particles_init(struct particles *p, int count, int dimension, bool rotations)
+int particles_padding(const struct particles *p)
+{
+    return p->n_rows - 1;
+}
+
+static enum status records_init(struct particles *p)
+{
+    const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->single);
+    p->n_rows = (p->count + ARRAY_PADDING - 1) / ARRAY_PADDING * ARRAY_PADDING + ARRAY_PADDING;
+    TRY(array_resize(&p->record, stride * sizeof(double), (size_t)p->n_rows, 0));
+    TRY(array_resize(&p->force, 1, particles_force_size(p), 0));
+    p->record[(size_t)particles_padding(p) * stride] = 1e9; /* its first coordinate [m] */
+    for (int c = 0; p->single && c < p->dimension; c++)
+        TRY(array_resize(&p->view_v[c], sizeof(float), (size_t)p->count, 0));
+    for (int c = 0; p->single && c < p->n_rotations; c++)
+        TRY(array_resize(&p->view_omega[c], sizeof(float), (size_t)p->count, 0));
+    return p->single ? array_resize(&p->view_radius, sizeof(float), (size_t)p->count, 0) : STATUS_OK;
+}
+
+enum status particles_init(struct particles *p, int count, int dimension, bool rotations, bool single)
 {
     memset(p, 0, sizeof *p);
     p->count = count;
@@ -32,11 +47,10 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
     TRY(array_resize(&p->slot, sizeof *p->slot, (size_t)count, 0));
     for (int i = 0; i < count; i++)
         p->id[i] = p->slot[i] = i;
+    p->single = single;
     TRY(components_resize(p->x, dimension, count));
     TRY(components_resize(p->v, dimension, count));
     TRY(components_resize(p->a, dimension, count));
-    TRY(array_resize(&p->record, RECORD_STRIDE(dimension, rotations) * sizeof(double), (size_t)count, 0));
-    TRY(array_resize(&p->force, FORCE_STRIDE(dimension, rotations) * sizeof(double), (size_t)count, 0));
     TRY(components_resize(p->x_list, dimension, count));
     TRY(components_resize(p->omega, p->n_rotations, count));
     TRY(components_resize(p->alpha, p->n_rotations, count));
@@ -45,21 +59,28 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
     TRY(components_resize(&p->inv_mass, 1, count));
     if (rotations)
         TRY(components_resize(&p->inv_inertia, 1, count));
-    pad(p);
-    return STATUS_OK;
+    return records_init(p);
 }
 
 size_t particles_force_size(const struct particles *p)
 {
-    return (size_t)(p->count + ARRAY_PADDING) * FORCE_STRIDE(p->dimension, p->n_rotations > 0) * sizeof(double);
+    size_t columns = (size_t)(p->dimension + p->n_rotations) * (p->single ? sizeof(float) : sizeof(double));
+    return PARTICLES_OWN_OFFSET(p->n_rows, p->dimension, frictional(p), p->single) + columns * (size_t)p->n_rows;
 }
 
 void particles_force_add(struct particles *p, const void *force, size_t from, size_t to)
 {
-    double *sum = p->force;
-    const double *added = force;
-    for (size_t k = from / sizeof *sum; k < to / sizeof *sum; k++)
-        sum[k] += added[k];
+    if (p->single) {
+        float *sum = p->force;
+        const float *added = force;
+        for (size_t k = from / sizeof *sum; k < to / sizeof *sum; k++)
+            sum[k] += added[k];
+    } else {
+        double *sum = p->force;
+        const double *added = force;
+        for (size_t k = from / sizeof *sum; k < to / sizeof *sum; k++)
+            sum[k] += added[k];
+    }
 }
 
 void particles_free(struct particles *p)
@@ -71,9 +92,12 @@ void particles_free(struct particles *p)
         free(p->omega[c]);
         free(p->alpha[c]);
         free(p->x_list[c]);
+        free(p->view_v[c]);
+        free(p->view_omega[c]);
     }
     free(p->id);
     free(p->slot);
+    free(p->view_radius);
     free(p->record);
     free(p->force);
     free(p->radius);

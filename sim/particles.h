@@ -25,21 +25,32 @@ struct particles {
     double *inv_mass;
     double *inv_inertia; /* 1/(2/5 m a^2); only with rotations */
     double *x_list[3];   /* positions at the last rebuild of the lists */
-    double *record;      /* [count][RECORD_STRIDE] what contacts need, side by side; made by drift */
-    void *force; /* [count][FORCE_STRIDE] sums of contact forces [N] and of moments n x f_t [N]; zeroed by drift */
+    bool single;         /* contacts in float (mixed precision) */
+    int n_rows;          /* of records and sums: whole vectors, and the padding particle behind them */
+    double *record;      /* [n_rows][RECORD_STRIDE] what contacts need, side by side; made by drift */
+    void *force;         /* sums of contact forces [N] and of moments n x f_t [N]: below; zeroed by kick */
+    float *view_v[3], *view_omega[3], *view_radius; /* single: as the arrays above, made by drift */
 };
 
-/* Records in blocks of 4: 2D [x0 x1 v0 v1], with friction [omega a - -]; 3D [x0 x1 x2 a][v0 v1 v2 -], with friction
- * [omega0 omega1 omega2 -] and a block of air. Sums: 2D [f0 f1], with friction [f0 f1 moment -]; 3D [f0 f1 f2 -], with
- * friction [moment0 moment1 moment2 -]; torque = -a moment. A record is always twice as long as its sums, so that one
- * index serves both. Offsets in doubles: */
-#define RECORD_STRIDE(dimension, frictional) ((dimension) == 2 ? ((frictional) ? 8 : 4) : ((frictional) ? 16 : 8))
-#define FORCE_STRIDE(dimension, frictional)  (RECORD_STRIDE(dimension, frictional) / 2)
-#define RECORD_ROTATION(dimension)           ((dimension) == 2 ? 4 : 8)
-#define FORCE_MOMENT(dimension)              ((dimension) == 2 ? 2 : 4)
+/* Records, in doubles. 2D: [x0 x1 v0 v1], with friction [omega - - -]; 3D: [x0 x1 x2 -][v0 v1 v2 -], with friction
+ * [omega0 omega1 omega2 -] and a block of air. Single, "/" between two floats in one double: 2D [x0 x1 v0/v1 omega/-];
+ * 3D [x0 x1 x2 v0/v1][v2/omega0 omega1/omega2 - -].
+ * Sums, double or float: first a row for each particle, 2D [f0 f1], with friction or single [f0 f1 moment -]; 3D
+ * [f0 f1 f2 -], with friction or single [moment0 moment1 moment2 -]. A record is always twice as long as its row, so
+ * that one index serves both. Behind the rows a column of n_rows for each component of force and moment, for sums over
+ * particles side by side. Torque = -a moment. */
+#define RECORD_STRIDE(dimension, frictional, single)                                                                   \
+    ((single) ? ((dimension) == 2 ? 4 : 8) : (dimension) == 2 ? ((frictional) ? 8 : 4) : ((frictional) ? 16 : 8))
+#define FORCE_MOMENT(dimension) ((dimension) == 2 ? 2 : 4)
+/* Where the columns start, in bytes. */
+#define PARTICLES_OWN_OFFSET(rows, dimension, frictional, single)                                                      \
+    ((size_t)(rows)*RECORD_STRIDE(dimension, frictional, single) / 2 * sizeof(double))
+
+/* Index of the padding particle, far from everything, that fills up sets of contacts. */
+int particles_padding(const struct particles *particles);
 
 /* Allocates `count` zeroed particles. Errors: STATUS_NO_MEMORY. */
-enum status particles_init(struct particles *particles, int count, int dimension, bool rotations) MUST_USE;
+enum status particles_init(struct particles *particles, int count, int dimension, bool rotations, bool single) MUST_USE;
 void particles_free(struct particles *particles);
 
 /* Sums like particles->force, for a range of pairs that another thread does: their size [B] (to be allocated aligned to

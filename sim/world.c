@@ -26,7 +26,7 @@ static void name_walls(struct world *world)
         world->walls[w] = (struct wall){.axis = w / 2, .inward = w % 2 ? -1 : 1};
         world->walls[w].contacts.hysteretic = world->pairs.hysteretic;
         world->walls[w].contacts.n_springs = world->pairs.n_springs;
-        world->walls[w].contacts.keep_forces = true;
+        world->walls[w].contacts.single = world->pairs.single;
     }
 }
 
@@ -40,6 +40,7 @@ static void place_walls(struct world *world, const double *lo, const double *hi)
 static enum status model(struct world *world, const struct scene *scene)
 {
     bool frictional = scene_is_frictional(scene), hysteretic = scene_is_hysteretic(scene);
+    bool single = getenv("SHAKEDOWN_MIXED") != NULL;
     int dimension = (int)scene->dimension;
     world->scene = scene;
     world->stage = -1;
@@ -47,9 +48,10 @@ static enum status model(struct world *world, const struct scene *scene)
     for (int c = 0; c < dimension && scene->gravity_m_per_s2.count; c++)
         world->gravity[c] = scene->gravity_m_per_s2.value[world_axis(world, c)];
     TRY(kernel_isa_select(&world->isa));
-    world->kernels = kernels_select(world->isa, dimension, hysteretic, frictional);
-    TRY(particles_init(&world->particles, (int)scene->sample.count, dimension, frictional));
+    world->kernels = kernels_select(world->isa, dimension, hysteretic, frictional, single);
+    TRY(particles_init(&world->particles, (int)scene->sample.count, dimension, frictional, single));
     world->pairs.hysteretic = hysteretic;
+    world->pairs.single = single;
     world->pairs.n_springs = world->particles.n_rotations;
     name_walls(world);
     return STATUS_OK;

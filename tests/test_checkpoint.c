@@ -162,10 +162,11 @@ static void check_history(const struct world *from, const struct world *to)
         if (old == from->pairs.count)
             continue;
         if (to->pairs.hysteretic && from->pairs.hysteretic)
-            assert_true(to->pairs.history[k] == from->pairs.history[old]);
+            assert_true(contact_list_history(&to->pairs, k) == contact_list_history(&from->pairs, old));
         for (int c = 0; c < to->pairs.n_springs; c++)
-            assert_true(to->pairs.spring[c][k] == (from->pairs.n_springs ? from->pairs.spring[c][old] : 0));
-        touching += to->pairs.hysteretic && to->pairs.history[k] > 0;
+            assert_true(contact_list_spring(&to->pairs, c, k) ==
+                        (from->pairs.n_springs ? contact_list_spring(&from->pairs, c, old) : 0));
+        touching += to->pairs.hysteretic && contact_list_history(&to->pairs, k) > 0;
     }
     assert_true(!to->pairs.hysteretic || touching > 0);
 }

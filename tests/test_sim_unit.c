@@ -241,23 +241,30 @@ static void lists_are_complete_through_motion(void **state)
         }
 }
 
-/* The skin decides when lists are built anew, never the result: histories are carried over whole. */
+/* The skin decides when lists are built anew and in what order forces are summed up, nothing else: histories are
+ * carried over whole. Rounding of 1e-16 grows at each collision by about the free path over the radius, some ten. */
 static void the_skin_changes_nothing(void **state)
 {
     static const double skin[] = {0.02, 0.1, 0.7, 5};
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
-        uint64_t hash = 0;
+        double first[3][60], worst = 0;
         int64_t rebuilds = INT64_MAX;
         for (int k = 0; k < 4; k++) {
             struct fixture f = gas(dimension, 60, skin[k]);
             fixture_steps(&f, 6000);
-            assert_true(k == 0 || world_hash(f.world) == hash);
+            for (int c = 0; c < dimension; c++)
+                for (int i = 0; i < 60; i++) {
+                    double x = f.world->particles.x[c][i];
+                    first[c][i] = k == 0 ? x : first[c][i];
+                    worst = fmax(worst, fabs(x - first[c][i]));
+                }
             assert_true(f.world->neighbor.rebuilds < rebuilds || f.world->neighbor.rebuilds < 4);
-            hash = world_hash(f.world);
             rebuilds = f.world->neighbor.rebuilds;
             fixture_close(&f);
         }
+        print_message("%dD: positions differ by %.2g m\n", dimension, worst);
+        assert_true(worst < 1e-12);
     }
 }
 

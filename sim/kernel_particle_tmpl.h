@@ -1,0 +1,227 @@
+/* Drift and kick: what a step does to the particles themselves, in double; and their records for the contacts.
+ * Parameters as of kernel_law_tmpl.h. */
+
+/* Writes the records of F64_LANES particles from i on; in single precision also the floats that stand side by side. */
+LANES_INLINE void NAME(pack)(struct particles *p, int i, const f64 *x, const f64 *v, const f64 *omega)
+{
+    enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL, SINGLE) };
+    const f64 zero = f64_all(0.0);
+    double *to = (double *)p->record + (size_t)i * STRIDE;
+    (void)omega;
+    (void)zero;
+#if SINGLE
+    f32h v_f[DIM], omega_f[3];
+    for (int c = 0; c < DIM; c++) {
+        v_f[c] = f64_narrow(v[c]);
+        f32h_store(p->view_v[c] + i, v_f[c]);
+    }
+#if FRICTIONAL
+    f32h_store(p->view_radius + i, f64_narrow(f64_load(p->radius + i)));
+    for (int c = 0; c < SPRINGS; c++) {
+        omega_f[c] = f64_narrow(omega[c]);
+        f32h_store(p->view_omega[c] + i, omega_f[c]);
+    }
+#else
+    for (int c = 0; c < SPRINGS; c++)
+        omega_f[c] = f64_narrow(zero);
+#endif
+#if DIM == 2
+    const f64 block[4] = {x[0], x[1], f64_pair(v_f[0], v_f[1]), f64_pair(omega_f[0], omega_f[0])};
+    f64_store4(to, STRIDE, block);
+#else
+    const f64 block[4] = {x[0], x[1], x[2], f64_pair(v_f[0], v_f[1])};
+    const f64 second[4] = {f64_pair(v_f[2], omega_f[0]), f64_pair(omega_f[1], omega_f[2]), zero, zero};
+    f64_store4(to, STRIDE, block);
+    f64_store4(to + 4, STRIDE, second);
+#endif
+#elif DIM == 2
+    const f64 block[4] = {x[0], x[1], v[0], v[1]};
+    f64_store4(to, STRIDE, block);
+#if FRICTIONAL
+    const f64 rotation[4] = {omega[0], zero, zero, zero};
+    f64_store4(to + 4, STRIDE, rotation);
+#endif
+#else
+    const f64 block[4] = {x[0], x[1], x[2], zero}, second[4] = {v[0], v[1], v[2], zero};
+    f64_store4(to, STRIDE, block);
+    f64_store4(to + 4, STRIDE, second);
+#if FRICTIONAL
+    const f64 rotation[4] = {omega[0], omega[1], omega[2], zero};
+    f64_store4(to + 8, STRIDE, rotation);
+#endif
+#endif
+}
+
+/* Forces and moments of F64_LANES particles: their rows and columns, which start anew from zero. */
+LANES_INLINE void NAME(take_sums)(struct particles *p, int i, f64 *force, f64 *moment)
+{
+    enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL, SINGLE) / 2 * (int)(sizeof(double) / sizeof(scalar)) };
+    scalar *rows = (scalar *)p->force + (size_t)i * STRIDE;
+    scalar *own = (scalar *)((char *)p->force + PARTICLES_OWN_OFFSET(p->n_rows, DIM, FRICTIONAL, SINGLE)) + i;
+    (void)moment;
+#if SINGLE
+    f32h row[8];
+#if DIM == 2
+    f32h_load4(rows, row);
+    enum { MOMENT = 2 };
+#else
+    f32h_load8(rows, row);
+    enum { MOMENT = 4 };
+#endif
+    for (int c = 0; c < DIM; c++) {
+        force[c] = f32h_widen(row[c] + f32h_load(own));
+        f32h_store(own, f64_narrow(f64_all(0.0)));
+        own += p->n_rows;
+    }
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++) {
+        moment[c] = f32h_widen(row[MOMENT + c] + f32h_load(own));
+        f32h_store(own, f64_narrow(f64_all(0.0)));
+        own += p->n_rows;
+    }
+#endif
+#else
+    f64 row[8];
+#if DIM == 2 && !FRICTIONAL
+    f64_load2(rows, row);
+#else
+    f64_load4(rows, STRIDE, row);
+#endif
+#if DIM == 3 && FRICTIONAL
+    f64_load4(rows + FORCE_MOMENT(3), STRIDE, row + FORCE_MOMENT(3));
+#endif
+    for (int c = 0; c < DIM; c++) {
+        force[c] = row[c] + f64_load(own);
+        f64_store(own, f64_all(0.0));
+        own += p->n_rows;
+    }
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++) {
+        moment[c] = row[FORCE_MOMENT(DIM) + c] + f64_load(own);
+        f64_store(own, f64_all(0.0));
+        own += p->n_rows;
+    }
+#endif
+#endif
+    memset(rows, 0, F64_LANES * STRIDE * sizeof *rows);
+}
+
+/* What F64_LANES particles are between kick and drift. */
+struct NAME(motion) {
+    f64 v[DIM], a[DIM], omega[3], alpha[3];
+};
+
+/* Accelerations from forces, background damping and gravity; corrects v and omega by the change of acceleration. Adds
+ * to the power that the background takes. */
+LANES_INLINE struct NAME(motion) NAME(kicked)(struct particles *p, int i, const struct kick_constants *k, f64 *power)
+{
+    const f64 half = f64_all(0.5 * k->dt), gamma_b = f64_all(k->gamma_b);
+    struct NAME(motion) to;
+    f64 force[DIM], moment[3], inv_mass = f64_load(p->inv_mass + i), v2 = f64_all(0.0);
+    NAME(take_sums)(p, i, force, moment);
+    for (int c = 0; c < DIM; c++) {
+        f64 v = f64_load(p->v[c] + i), before = f64_load(p->a[c] + i);
+        if (k->gravity[c] != 0)
+            force[c] = f64_fma(f64_all(k->gravity[c]), f64_load(p->mass + i), force[c]);
+        to.a[c] = f64_fma(-gamma_b, v, force[c]) * inv_mass;
+        to.v[c] = f64_fma(half, to.a[c] - before, v);
+        v2 = f64_fma(v, v, v2);
+    }
+    *power = f64_fma(gamma_b, v2, *power);
+#if FRICTIONAL
+    f64 radius = f64_load(p->radius + i), inv_inertia = f64_load(p->inv_inertia + i), omega2 = f64_all(0.0);
+    f64 damping = f64_all(k->gamma_br) * radius * radius;
+    for (int c = 0; c < SPRINGS; c++) {
+        f64 omega = f64_load(p->omega[c] + i), before = f64_load(p->alpha[c] + i);
+        to.alpha[c] = f64_fma(-radius, moment[c], -damping * omega) * inv_inertia;
+        to.omega[c] = f64_fma(half, to.alpha[c] - before, omega);
+        omega2 = f64_fma(omega, omega, omega2);
+    }
+    *power = f64_fma(damping, omega2, *power);
+#endif
+    return to;
+}
+
+LANES_INLINE void NAME(motion_store)(struct particles *p, int i, const struct NAME(motion) * motion)
+{
+    for (int c = 0; c < DIM; c++) {
+        f64_store(p->v[c] + i, motion->v[c]);
+        f64_store(p->a[c] + i, motion->a[c]);
+    }
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++) {
+        f64_store(p->omega[c] + i, motion->omega[c]);
+        f64_store(p->alpha[c] + i, motion->alpha[c]);
+    }
+#endif
+}
+
+/* x += v dt + a dt^2/2; v and omega of `motion` become those predicted for the end of the step. False if a particle is
+ * further than sqrt(limit2) from where the lists were built, or NaN. */
+LANES_INLINE bool NAME(drifted)(struct particles *p, int i, double dt_s, f64 limit2, struct NAME(motion) * motion)
+{
+    const f64 dt = f64_all(dt_s), half = f64_all(0.5 * dt_s);
+    f64 x[DIM], moved2 = f64_all(0.0);
+    for (int c = 0; c < DIM; c++) {
+        f64 before = f64_load(p->x[c] + i);
+        x[c] = f64_fma(dt, f64_fma(half, motion->a[c], motion->v[c]), before);
+        motion->v[c] = f64_fma(dt, motion->a[c], motion->v[c]);
+        f64 moved = x[c] - f64_load(p->x_list[c] + i);
+        moved2 = f64_fma(moved, moved, moved2);
+        f64_store(p->x[c] + i, x[c]);
+    }
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++)
+        motion->omega[c] = f64_fma(dt, motion->alpha[c], motion->omega[c]);
+#endif
+    NAME(pack)(p, i, x, motion->v, motion->omega);
+    return f64_mask_all(f64_at_least(limit2, moved2));
+}
+
+static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
+{
+    const f64 limit2 = f64_all(reach_m * reach_m);
+    bool near = true;
+    for (int i = 0; i < p->count; i += F64_LANES) {
+        struct NAME(motion) motion;
+        for (int c = 0; c < DIM; c++) {
+            motion.v[c] = f64_load(p->v[c] + i);
+            motion.a[c] = f64_load(p->a[c] + i);
+        }
+#if FRICTIONAL
+        for (int c = 0; c < SPRINGS; c++) {
+            motion.omega[c] = f64_load(p->omega[c] + i);
+            motion.alpha[c] = f64_load(p->alpha[c] + i);
+        }
+#endif
+        near = NAME(drifted)(p, i, dt_s, limit2, &motion) && near;
+        NAME(motion_store)(p, i, &motion);
+    }
+    return !near;
+}
+
+static double NAME(kick)(struct particles *p, const struct kick_constants *constants)
+{
+    f64 power = f64_all(0.0);
+    for (int i = 0; i < p->count; i += F64_LANES) {
+        struct NAME(motion) motion = NAME(kicked)(p, i, constants, &power);
+        NAME(motion_store)(p, i, &motion);
+    }
+    return f64_sum(power);
+}
+
+/* Both in one pass: the kick of a step and the drift of the next. */
+static bool NAME(advance)(struct particles *p, const struct kick_constants *constants, double dt_s, double reach_m,
+                          double *background_w)
+{
+    const f64 limit2 = f64_all(reach_m * reach_m);
+    f64 power = f64_all(0.0);
+    bool near = true;
+    for (int i = 0; i < p->count; i += F64_LANES) {
+        struct NAME(motion) motion = NAME(kicked)(p, i, constants, &power);
+        near = NAME(drifted)(p, i, dt_s, limit2, &motion) && near;
+        NAME(motion_store)(p, i, &motion);
+    }
+    *background_w = f64_sum(power);
+    return !near;
+}
