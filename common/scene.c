@@ -15,6 +15,7 @@ static const char *const target_names[] = {"constant", "ramp", "cosine", NULL};
 static const char *const radius_names[] = {"uniform", "gaussian", NULL};
 static const char *const initial_names[] = {"lattice", "random", "checkpoint", NULL};
 static const char *const scheme_names[] = {"hold", "jacobian", "pipelined", "adaptive", "impedance", NULL};
+static const char *const precision_names[] = {"double", "mixed", NULL};
 static const char *const walls_names[] = {"sampled", "full", NULL};
 
 static const struct key material_keys[] = {
@@ -153,7 +154,8 @@ static const struct key record_keys[] = {{"walls", KEY_CHOICE, OF(scene_record, 
 
 static const struct key neighbor_keys[] = {
     {"skin_ratio", KEY_FLOAT, OF(scene_neighbor, skin_ratio), NULL, 0, 10, "0", NULL, NULL,
-     "skin of the Verlet list over the mean radius: speed only, never the result; 0: tuned while running"},
+     "skin of the Verlet list over the mean radius: speed, and the order in which forces are summed up; 0: tuned while "
+     "running"},
     {"renumber_steps", KEY_INT, OF(scene_neighbor, renumber_steps), NULL, -1, 9e15, "-1", NULL, NULL,
      "particles are put into an order in space every so many steps (forces are then summed in another order); 0: "
      "never; "
@@ -178,6 +180,8 @@ static const struct key scene_keys[] = {
     {"dimension", KEY_INT, OF(scene, dimension), NULL, 2, 3, NULL, NULL, NULL,
      "2: biaxial box in x, z (depth 1 m); 3: triaxial box"},
     {"seed", KEY_INT, OF(scene, seed), NULL, 0, 9e15, "1", NULL, NULL, "seed of radii, order and velocities"},
+    {"precision", KEY_CHOICE, OF(scene, precision), NULL, 0, 0, "double", precision_names, NULL,
+     "of contacts: double; or mixed: overlaps from double to 1e-7 of themselves, all else in float, twice as fast"},
     {"gravity_m_per_s2", KEY_FLOATS, OF(scene, gravity_m_per_s2), "m/s^2", -1e6, 1e6, "", NULL, NULL,
      "[x, y, z]; empty: none"},
     {"checkpoint_interval_s", KEY_FLOAT, OF(scene, checkpoint_interval_s), "s", 0, INFINITY, "0", NULL, NULL,

@@ -96,6 +96,8 @@ struct scene_coupling {
     double timeout_s;       /* without an answer from wallctl or the recorder, sim gives up */
 };
 
+enum precision { PRECISION_DOUBLE, PRECISION_MIXED };
+
 enum record_walls { RECORD_WALLS_SAMPLED, RECORD_WALLS_FULL };
 
 struct scene_record {
@@ -120,6 +122,7 @@ struct scene {
     char name[CONFIG_STRING_MAX];
     int64_t dimension; /* 2 or 3 */
     int64_t seed;
+    int precision;                         /* enum precision: of contacts */
     struct config_floats gravity_m_per_s2; /* x y z; empty: none */
     struct scene_sample sample;
     struct scene_material material; /* of every stage that does not say otherwise */

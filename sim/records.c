@@ -38,8 +38,9 @@ void records_init(struct records *records, struct record_stream *stream, int64_t
 
 void records_kernel_set(const struct world *world, char *text, size_t size)
 {
-    snprintf(text, size, "%s %dd %s %s", kernel_isa_name(world->isa), world->particles.dimension,
-             world->pairs.hysteretic ? "hysteretic" : "linear", world->pairs.n_springs ? "frictional" : "frictionless");
+    snprintf(text, size, "%s %dd %s %s%s", kernel_isa_name(world->isa), world->particles.dimension,
+             world->pairs.hysteretic ? "hysteretic" : "linear", world->pairs.n_springs ? "frictional" : "frictionless",
+             world->pairs.single ? " mixed" : "");
 }
 
 static enum status send_run_info(struct records *records, const struct world *world,

@@ -156,7 +156,10 @@ static void turn_springs(struct contact_list *list, const struct moved *moved)
 {
     for (int c = 0; c < list->n_springs && list->n_springs == 3; c++)
         for (int k = 0; k < list->count; k++)
-            list->spring[c][k] = moved[k].swapped ? -list->spring[c][k] : list->spring[c][k];
+            if (moved[k].swapped) {
+                list->spring[c][k] = -list->spring[c][k];
+                list->rest[c][k] = -list->rest[c][k];
+            }
 }
 
 static enum status renumber_list(struct contact_list *list, const struct particles *p, const int32_t *slot)
@@ -179,8 +182,10 @@ static enum status renumber_list(struct contact_list *list, const struct particl
     permute_history(list->reach, moved, list->count, scratch);
     permute_history(list->history, moved, list->count, scratch);
     permute_history(list->sliding, moved, list->count, scratch);
-    for (int c = 0; c < list->n_springs; c++)
+    for (int c = 0; c < list->n_springs; c++) {
         permute_history(list->spring[c], moved, list->count, scratch);
+        permute_history(list->rest[c], moved, list->count, scratch);
+    }
     turn_springs(list, moved);
     free(moved);
     free(scratch);

@@ -40,7 +40,7 @@ static void place_walls(struct world *world, const double *lo, const double *hi)
 static enum status model(struct world *world, const struct scene *scene)
 {
     bool frictional = scene_is_frictional(scene), hysteretic = scene_is_hysteretic(scene);
-    bool single = getenv("SHAKEDOWN_MIXED") != NULL;
+    bool single = scene->precision == PRECISION_MIXED;
     int dimension = (int)scene->dimension;
     world->scene = scene;
     world->stage = -1;

@@ -253,7 +253,8 @@ static struct fixture gas(int dimension, const char *more)
     return f;
 }
 
-/* Lists built at different times, the same bits; and fewer builds than with the narrowest skin. */
+/* Lists built at different times, the same motion but for rounding, which collisions let grow; and fewer builds than
+ * with the narrowest skin. */
 static void the_tuned_skin_changes_nothing(void **state)
 {
     (void)state;
@@ -262,7 +263,12 @@ static void the_tuned_skin_changes_nothing(void **state)
         double first = tuned.world->neighbor.skin;
         fixture_steps(&fixed, 8000);
         fixture_steps(&tuned, 8000);
-        assert_true(world_hash(fixed.world) == world_hash(tuned.world));
+        double worst = 0;
+        for (int c = 0; c < dimension; c++)
+            for (int i = 0; i < 120; i++)
+                worst = fmax(worst, fabs(fixed.world->particles.x[c][i] - tuned.world->particles.x[c][i]));
+        print_message("%dD: positions differ by %.2g m\n", dimension, worst);
+        assert_true(worst < 1e-12);
         assert_true(tuned.world->neighbor.rebuilds < fixed.world->neighbor.rebuilds / 2);
         assert_true(tuned.world->neighbor.skin > first);
         fixture_close(&fixed);
