@@ -49,7 +49,7 @@ static enum status step(struct bench *bench)
     if (command.finished)
         return STATUS_OK;
     TRY(world_command(world, &command));
-    return world_step(world);
+    return world_step_open(world);
 }
 
 static enum status prepare(struct bench *bench)

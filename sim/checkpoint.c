@@ -210,6 +210,7 @@ static void collect(struct items *items, struct world *world, struct run_progres
 {
     char group[32];
     const struct particles *p = &world->particles;
+    world_settle(world);
     const struct model particles = {.count = (size_t)p->count, .axes = p->dimension, .rotations = p->n_rotations};
     items->n = 0;
     if (progress)

@@ -26,12 +26,41 @@ static void forces(struct world *world, double dt)
     contact_losses_add(&world->ledger.contacts, &lost);
 }
 
-static void kick(struct world *world, double dt)
+static struct kick_constants kick_constants_of(const struct world *world, double dt)
 {
     struct kick_constants constants = {
         .dt = dt, .gamma_b = world->material->gamma_b_kg_per_s, .gamma_br = world->material->gamma_br_kg_per_s};
     memcpy(constants.gravity, world->gravity, sizeof constants.gravity);
+    return constants;
+}
+
+static void kick(struct world *world, double dt)
+{
+    struct kick_constants constants = kick_constants_of(world, dt);
     world->ledger.background += dt * world->kernels.kick(&world->particles, &constants);
+}
+
+void world_settle(const struct world *world)
+{
+    struct world *changed = (struct world *)(uintptr_t)world; /* how far a step is, is no part of the state */
+    if (!world->kick_due)
+        return;
+    changed->kick_due = false;
+    kick(changed, world->dt);
+}
+
+/* The kick of the last step, if that is still to be done, and the drift of this one. */
+static bool drift(struct world *world)
+{
+    const double reach = 0.5 * world->neighbor.skin;
+    if (!world->kick_due)
+        return world->kernels.drift(&world->particles, world->dt, reach);
+    struct kick_constants constants = kick_constants_of(world, world->dt);
+    double background_w;
+    bool far = world->kernels.advance(&world->particles, &constants, world->dt, reach, &background_w);
+    world->kick_due = false;
+    world->ledger.background += world->dt * background_w;
+    return far;
 }
 
 void integrate_forces_anew(struct world *world)
@@ -80,11 +109,19 @@ static enum status renew_order(struct world *world)
     const int64_t every = world->neighbor.renumber_steps;
     if (every == 0 || world->step % every != 0)
         return STATUS_OK;
+    world_settle(world);
     TRY(renumber(&world->particles, &world->pairs, world->walls, world->n_walls));
     return renew_lists(world);
 }
 
 enum status world_step(struct world *world)
+{
+    TRY(world_step_open(world));
+    world_settle(world);
+    return STATUS_OK;
+}
+
+enum status world_step_open(struct world *world)
 {
     double force_before[SCENE_WALLS_MAX], x_before[SCENE_WALLS_MAX];
     for (int w = 0; w < world->n_walls; w++) {
@@ -95,12 +132,12 @@ enum status world_step(struct world *world)
     world->step++;
     world->stage_step++;
     world->time_s = world->stage_time_start_s + (double)world->stage_step * world->dt;
-    bool stale = world->kernels.drift(&world->particles, world->dt, 0.5 * world->neighbor.skin);
+    bool stale = drift(world);
     stale = drive_walls(world) || stale;
     stale = stale || neighbor_is_wide(&world->neighbor, &world->particles, world->walls, world->n_walls, world->step);
     if (stale)
         TRY(renew_lists(world));
     forces(world, world->dt);
-    kick(world, world->dt);
+    world->kick_due = true;
     return interface_step(world, x_before, force_before);
 }

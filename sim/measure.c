@@ -51,6 +51,7 @@ static struct geometry geometry_of(const struct world *world, int l, int k)
 
 double measure_kinetic_energy_j(const struct world *world)
 {
+    world_settle(world);
     const struct particles *p = &world->particles;
     double sum = 0;
     for (int c = 0; c < p->dimension; c++)
@@ -145,6 +146,7 @@ static void add_elastic(const struct world *world, int l, struct elastic_energy 
 
 struct elastic_energy measure_elastic_energy(const struct world *world)
 {
+    world_settle(world);
     struct elastic_energy sum = {0, 0};
     for (int l = 0; l <= world->n_walls; l++)
         add_elastic(world, l, &sum);
@@ -309,6 +311,7 @@ static void measure_energies(const struct world *world, struct measurement *m)
 
 enum status measure(const struct world *world, struct measurement *m)
 {
+    world_settle(world);
     int sliding = 0;
     memset(m, 0, sizeof *m);
     add_contacts(world, 0, m, &sliding);
@@ -364,6 +367,7 @@ static void sort_contacts(struct contact_measurement *contacts, int n)
 
 int measure_contacts(const struct world *world, struct contact_measurement *out)
 {
+    world_settle(world);
     int n = 0;
     for (int l = 0; l <= world->n_walls; l++) {
         const int first = n;

@@ -72,6 +72,7 @@ static enum status take_sample(struct run *run)
 
 static enum status take_frame(struct run *run)
 {
+    world_settle(run->world);
     return run->stream ? records_send_frame(&run->records, run->world) : STATUS_OK;
 }
 
@@ -231,7 +232,7 @@ static enum status take_command(struct run *run, const struct wall_state *state)
 static enum status steps(struct run *run, int n)
 {
     for (int k = 0; k < n; k++) {
-        TRY(world_step(run->world));
+        TRY(world_step_open(run->world));
         TRY(record_step(run));
         if (run->world->step % STEPS_PER_LOOK == 0)
             TRY(look_around(run));

@@ -137,6 +137,7 @@ void world_set_law(struct world *world)
 
 static void stage_start(struct world *world, int stage)
 {
+    world_settle(world);
     const struct scene_stage *next = &world->scene->stage[stage];
     world->stage = stage;
     world->stage_step = 0;
@@ -225,6 +226,7 @@ static uint64_t hash_values(uint64_t hash, const struct particles *p, const doub
 
 uint64_t world_hash(const struct world *world)
 {
+    world_settle(world);
     const struct particles *p = &world->particles;
     uint64_t hash = 0xcbf29ce484222325u;
     for (int c = 0; c < p->dimension; c++) {

@@ -55,6 +55,7 @@ struct world {
     double stage_time_start_s;
     double stage_position_m[SCENE_WALLS_MAX];
     double dt;
+    bool kick_due; /* of the last step: world_step_open */
 };
 
 /* Makes a world with the model of the scene and room for its particles, without any state yet; for checkpoints. */
@@ -78,6 +79,12 @@ enum status world_command(struct world *world, const struct wall_command *comman
 /* One time step: velocity Verlet with velocities predicted for the force evaluation, second order also for forces that
  * depend on velocity. STATUS_UNSTABLE if a particle has left the box or is not finite. */
 enum status world_step(struct world *world) MUST_USE;
+
+/* The same, but velocities and accelerations may be those before the forces were known: the next step corrects them and
+ * goes on in one pass over the particles, which is faster and the same bits. Who reads them calls world_settle first;
+ * measurements, hash, checkpoint and a change of stage do. Positions, lists, walls and their forces are complete. */
+enum status world_step_open(struct world *world) MUST_USE;
+void world_settle(const struct world *world);
 
 /* What the controller is told; energies are filled by the caller. */
 void world_wall_state(const struct world *world, struct wall_state *state);

@@ -268,6 +268,25 @@ static void the_skin_changes_nothing(void **state)
     }
 }
 
+/* Kick and drift in one pass or one after the other: the same bits, lists built meanwhile or not. */
+static void open_steps_change_nothing(void **state)
+{
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        struct fixture a = gas(dimension, 60, 0.1), b = gas(dimension, 60, 0.1);
+        for (int k = 0; k < 3000; k++) {
+            must(world_step(a.world));
+            must(world_step_open(b.world));
+            assert_true(b.world->kick_due && !a.world->kick_due);
+        }
+        assert_true(world_hash(a.world) == world_hash(b.world));
+        assert_true(a.world->ledger.background == b.world->ledger.background);
+        assert_true(b.world->neighbor.rebuilds > 1);
+        fixture_close(&a);
+        fixture_close(&b);
+    }
+}
+
 /* ---- scenes ---- */
 
 static char *printed(const struct scene *scene)
@@ -408,6 +427,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(boxes_have_their_aspect),
         cmocka_unit_test(no_room_is_an_error),
         cmocka_unit_test(lists_are_complete_through_motion),
+        cmocka_unit_test(open_steps_change_nothing),
         cmocka_unit_test(the_skin_changes_nothing),
         cmocka_unit_test(effective_configurations_read_back),
         cmocka_unit_test(overrides_reach_their_keys),
