@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Error of the curve and of the energy ledger against the finest run, and what it costs, as time step, skin, exchange
 # interval and precision vary (docs/accuracy.md):
-# ./shakedown bench accuracy [--quick] [--scene A|A-cohesive|B] [--out DIR] [--json FILE] [--plot FILE.png]
+# ./shakedown bench accuracy [--quick] [--scene A|A-cohesive|B|B-fresh] [--out DIR] [--json FILE] [--plot FILE.png]
 #                            [--through COMMAND] [--set KEY=VALUE]...
 # --quick: in a minute; --out keeps the prepared samples for the next time; --through: every run is started by it.
 set -euo pipefail

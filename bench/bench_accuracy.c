@@ -26,6 +26,7 @@ struct accuracy_case {
     enum curve_quantity quantity;
     int component;
     const char *curve;
+    bool no_springs; /* the sample starts without tangential springs: theirs are those of the step it was made with */
     double window[WINDOWS];                    /* errors for strains up to this; rising, the last one all */
     double duration_s;                         /* of the last stage; 0: as it is */
     double sample_interval_s;                  /* a multiple of all time steps */
@@ -72,6 +73,19 @@ static const struct accuracy_case CASES[] = {
      .radius_m = 5e-3,
      .dt = {1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2.5e-6},
      .quick_dt = {5e-5, 2e-5, 1e-5, 5e-6},
+     .usual_dt = 2e-5},
+    {.name = "B-fresh",
+     .file = "triaxial_quick.cfg",
+     .quantity = CURVE_STRAIN,
+     .component = 0,
+     .curve = "eps_xx of one cycle of sigma_xx, no springs at the start",
+     .no_springs = true,
+     .window = {INFINITY, INFINITY, INFINITY},
+     .duration_s = 0.2,
+     .sample_interval_s = 2e-3,
+     .stiffness = 5e3,
+     .radius_m = 5e-3,
+     .dt = {1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2.5e-6},
      .usual_dt = 2e-5},
 };
 
@@ -179,19 +193,22 @@ static void plan(struct work *work, bool quick)
     work->n--;
 }
 
-/* The sample once more, one particle moved by a shift that a person could not call a difference. */
-static enum status shift_sample(struct work *work, const struct scene *scene)
+/* The sample of `scene` once more as FOLDER/NAME, without springs if so wanted, and with one particle shifted. */
+static enum status vary_sample(const struct work *work, const struct scene *scene, bool no_springs, double shift_m,
+                               const char *name, char *checkpoint)
 {
     char path[1100];
     struct world *world;
-    snprintf(path, sizeof path, "%s/shifted.h5", work->folder);
-    TRY(world_create(&world, scene));
     const struct run_progress progress = {0};
-    world->particles.x[0][world->particles.count / 2] += SHIFT_M;
+    snprintf(path, sizeof path, "%s/%s", work->folder, name);
+    TRY(world_create(&world, scene));
+    for (int c = 0; c < world->pairs.n_springs && no_springs; c++)
+        memset(world->pairs.spring[c], 0, (size_t)world->pairs.count * sizeof(double));
+    world->particles.x[0][world->particles.count / 2] += shift_m;
     enum status status = checkpoint_write(path, world, &progress);
     world_free(world);
     TRY(status);
-    return prepare_path(path, work->shifted);
+    return prepare_path(path, checkpoint);
 }
 
 static void set_stage(const struct accuracy_case *at, struct scene *scene)
@@ -211,9 +228,13 @@ static enum status make_scene(struct work *work, struct scene *scene, const char
     TRY(scene_load(scene, path, NULL, 0));
     prepare_stage(scene, (int)scene->n_stages - 1, work->checkpoint);
     set_stage(work->at, scene);
+    if (work->at->no_springs) {
+        TRY(vary_sample(work, scene, true, 0, "no-springs.h5", work->checkpoint));
+        prepare_stage(scene, 0, work->checkpoint);
+    }
     snprintf(work->scene_path, sizeof work->scene_path, "%s/last.cfg", work->folder);
     TRY(prepare_scene_file(scene, work->scene_path));
-    return shift_sample(work, scene);
+    return vary_sample(work, scene, false, SHIFT_M, "shifted.h5", work->shifted);
 }
 
 static int add_set(const char **argv, int n, const char *override)
