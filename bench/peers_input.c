@@ -176,9 +176,9 @@ static void write_liggghts(FILE *out, const struct peer_input *in)
     fprintf(out, "pair_style gran model %s tangential %s %s\npair_coeff * *\n", model,
             in->frictional ? "history" : "no_history", options);
     write_lists(out, in);
-    for (int w = 0; w < 2 * in->dimension; w++) /* smooth: no tangential model */
-        fprintf(out, "fix wall%d all wall/gran model %s tangential off primitive type 1 %cplane %.17g %s\n", w, model,
-                'x' + w / 2, w % 2 ? in->hi[w / 2] : in->lo[w / 2], options);
+    for (int w = 0; w < 2 * in->dimension; w++) /* smooth */
+        fprintf(out, "fix wall%d all wall/gran model %s tangential %s primitive type 1 %cplane %.17g %s\n", w, model,
+                in->frictional ? "off" : "no_history", 'x' + w / 2, w % 2 ? in->hi[w / 2] : in->lo[w / 2], options);
     write_run(out, in);
 }
 
