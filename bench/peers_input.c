@@ -26,12 +26,12 @@ void peers_write_data(FILE *out, enum peer peer, const struct world *world)
     fprintf(out, "\nAtoms\n\n");
     for (int i = 0; i < p->count; i++) {
         double a = p->radius[i];
-        fprintf(out, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", i + 1, 2 * a, p->mass[i] / (4.0 / 3 * pi * a * a * a),
+        fprintf(out, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", p->id[i] + 1, 2 * a, p->mass[i] / (4.0 / 3 * pi * a * a * a),
                 p->x[0][i], p->x[1][i], p->dimension == 3 ? p->x[2][i] : 0);
     }
     fprintf(out, "\nVelocities\n\n");
     for (int i = 0; i < p->count; i++) {
-        fprintf(out, "%d %.17g %.17g %.17g", i + 1, p->v[0][i], p->v[1][i], p->dimension == 3 ? p->v[2][i] : 0);
+        fprintf(out, "%d %.17g %.17g %.17g", p->id[i] + 1, p->v[0][i], p->v[1][i], p->dimension == 3 ? p->v[2][i] : 0);
         for (int c = 0; c < 3; c++)
             fprintf(out, " %.17g", p->n_rotations == 3 ? p->omega[c][i] : 0);
         fprintf(out, "\n");
