@@ -26,8 +26,8 @@ void peers_write_data(FILE *out, enum peer peer, const struct world *world)
     fprintf(out, "\nAtoms\n\n");
     for (int i = 0; i < p->count; i++) {
         double a = p->radius[i];
-        fprintf(out, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", p->id[i] + 1, 2 * a, p->mass[i] / (4.0 / 3 * pi * a * a * a),
-                p->x[0][i], p->x[1][i], p->dimension == 3 ? p->x[2][i] : 0);
+        fprintf(out, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", p->id[i] + 1, 2 * a,
+                p->mass[i] / (4.0 / 3 * pi * a * a * a), p->x[0][i], p->x[1][i], p->dimension == 3 ? p->x[2][i] : 0);
     }
     fprintf(out, "\nVelocities\n\n");
     for (int i = 0; i < p->count; i++) {
