@@ -24,18 +24,19 @@ static const double BLOCK_S = 0.12;
 struct kind {
     int dimension;
     double solid_fraction, jitter; /* of the spacing */
-    const char *text;              /* of the scene behind count and seed */
+    const char *text;              /* of the scene behind threads and count */
 };
 
 static const struct kind kinds[] = {
     {2, 0.90, 0.1,
-     "dimension = 2;\nsample = { count = %d; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; density_kg_per_m3 = 2000.0; "
+     "dimension = 2; threads = %d;\nsample = { count = %d; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; "
+     "density_kg_per_m3 = 2000.0; "
      "};\n"
      "material = { law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; gamma_n_kg_per_s = 0.1; };\n"
      "stages = ( { name = \"relax\"; dt_s = 1e-6; duration_s = 1.0; material = { gamma_b_kg_per_s = 0.5; }; },\n"
      "  { name = \"test\"; dt_s = 5e-7; duration_s = 1.0; material = { gamma_b_kg_per_s = 0.01; }; } );\n"},
     {3, 0.645, 0.1,
-     "dimension = 3;\nsample = { count = %d; radius_distribution = \"gaussian\"; radius_mean_m = 5e-3;\n"
+     "dimension = 3; threads = %d;\nsample = { count = %d; radius_distribution = \"gaussian\"; radius_mean_m = 5e-3;\n"
      "  radius_sd_m = 0.7e-3; radius_min_m = 3e-3; radius_max_m = 7e-3; density_kg_per_m3 = 2000.0; };\n"
      "material = { kn_n_per_m = 5000.0; gamma_n_kg_per_s = 0.05; mu_s = 0.1; kt_n_per_m = 1000.0;\n"
      "  gamma_t_kg_per_s = 0.01; gamma_br_kg_per_s = 0.05; };\n"
@@ -92,7 +93,7 @@ static enum status pack(struct world *world, const struct kind *kind, bool order
     }
     free(copy);
     free(place);
-    return neighbor_build(&world->neighbor, p, &world->pairs, world->walls, world->n_walls);
+    return world_build_lists(world);
 }
 
 /* Starts a stage with the walls at rest where they are. */
@@ -107,22 +108,21 @@ static enum status begin(struct world *world, int stage)
 static enum status steps(struct world *world, int n)
 {
     for (int k = 0; k < n; k++)
-        TRY(world_step(world));
+        TRY(world_step_open(world));
     return STATUS_OK;
 }
 
 /* The parts, each as often as wanted at one state: no time passes (dt = 0). */
 static enum status one_step(struct world *world)
 {
-    return world_step(world);
+    return world_step_open(world);
 }
 
 static enum status one_pair(struct world *world)
 {
     struct contact_losses losses = {0};
     world->law.dt = 0;
-    world->kernels.pair(&world->particles, &world->pairs, 0, world->pairs.n_sets, &world->law, world->particles.force,
-                        &losses);
+    threads_pair(&world->threads, &world->kernels, &world->particles, &world->pairs, &world->law, &losses);
     return STATUS_OK;
 }
 
@@ -137,20 +137,20 @@ static enum status one_walls(struct world *world)
 
 static enum status one_drift(struct world *world)
 {
-    (void)world->kernels.drift(&world->particles, 0, INFINITY);
+    (void)threads_drift(&world->threads, &world->kernels, &world->particles, 0, INFINITY);
     return STATUS_OK;
 }
 
 static enum status one_kick(struct world *world)
 {
     struct kick_constants constants = {0};
-    (void)world->kernels.kick(&world->particles, &constants);
+    (void)threads_kick(&world->threads, &world->kernels, &world->particles, &constants);
     return STATUS_OK;
 }
 
 static enum status one_build(struct world *world)
 {
-    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls);
+    return world_build_lists(world);
 }
 
 /* Microseconds of one call: the least of the blocks. */
@@ -198,7 +198,7 @@ static enum status measure_row(const struct kind *kind, int count, bool ordered,
     struct scene *scene = calloc(1, sizeof *scene);
     if (!scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    snprintf(text, sizeof text, kind->text, count);
+    snprintf(text, sizeof text, kind->text, row->threads, count);
     double start = clock_now_s();
     enum status status = scene_parse(scene, text, "scaling");
     if (status == STATUS_OK)
@@ -268,7 +268,7 @@ static enum status bench_scaling(const struct options *options, json_t *rows)
 
 int main(int argc, char **argv)
 {
-    struct options options = {.counts = "1e3,3375,1e4,2e4,1e5,3e5,1e6", .threads = "1"};
+    struct options options = {.counts = "1e3,3375,1e4,2e4,1e5,3e5,1e6", .threads = "1,2"};
     const struct command_line_option own[] = {
         {"dimension", &options.dimension, NULL}, {"counts", &options.counts, NULL},
         {"threads", &options.threads, NULL},     {"json", &options.json, NULL},

@@ -111,7 +111,7 @@ static enum status one_kick(struct bench *bench)
 static enum status one_build(struct bench *bench)
 {
     struct world *world = bench->world;
-    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls);
+    return world_build_lists(world);
 }
 
 static int rising(const void *a, const void *b)

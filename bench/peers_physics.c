@@ -92,14 +92,14 @@ static enum status start_stage(struct world *world)
     return world_command(world, &command);
 }
 
-/* [3 count] by id, components that the world lacks zero. */
+/* [3 count], components that the world lacks zero. */
 static void positions_and_forces(const struct world *world, double *x, double *f)
 {
     const struct particles *p = &world->particles;
     for (int i = 0; i < p->count; i++)
         for (int c = 0; c < 3; c++) {
-            x[3 * p->id[i] + c] = c < p->dimension ? p->x[c][i] : 0;
-            f[3 * p->id[i] + c] = c < p->dimension ? p->a[c][i] * p->mass[i] : 0;
+            x[3 * i + c] = c < p->dimension ? p->x[c][i] : 0;
+            f[3 * i + c] = c < p->dimension ? p->a[c][i] * p->mass[i] : 0;
         }
 }
 

@@ -161,60 +161,24 @@ static int rising(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static double median_of(const double *values, int count)
-{
-    double sorted[PEERS_REPS_MAX];
-    memcpy(sorted, values, (size_t)count * sizeof *values);
-    qsort(sorted, (size_t)count, sizeof *sorted, rising);
-    return 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]);
-}
-
-/* How many times as long as ours a contestant takes: the median over the turns, each with its own neighbours in time,
- * as the machine's speed drifts. */
-static double times_ours(const struct contestant *c, const struct contestant *ours, int reps)
-{
-    double ratio[PEERS_REPS_MAX];
-    for (int r = 0; r < reps; r++)
-        ratio[r] = c->us[r] / ours->us[r];
-    return median_of(ratio, reps);
-}
-
-static void report_one(const struct timing *timing, const struct contestant *c, int reps, json_t *rows)
-{
-    json_t *times = json_array(), *ratios = json_object();
-    printf("  %-26s %-33s %8.2f %8.2f", c->name, c->note, c->least, c->median);
-    for (int k = 0; k < timing->n; k++) {
-        const struct contestant *ours = &timing->contestant[k];
-        if (!ours->isa)
-            continue;
-        printf(" %7.2f", times_ours(c, ours, reps));
-        json_object_set_new(ratios, ours->isa, json_real(times_ours(c, ours, reps)));
-    }
-    if (!c->isa)
-        printf("   skin %g a, delay %d", c->skin_ratio, c->delay);
-    printf("\n");
-    for (int r = 0; r < reps; r++)
-        json_array_append_new(times, json_real(c->us[r]));
-    json_array_append_new(rows, json_pack("{s:s, s:s, s:f, s:f, s:o, s:f, s:i, s:o}", "name", c->name, "note", c->note,
-                                          "least_us", c->least, "median_us", c->median, "times_ours", ratios,
-                                          "skin_ratio", c->skin_ratio, "delay", c->delay, "us", times));
-}
-
 static void report_times(struct timing *timing, int reps, json_t *rows)
 {
-    printf("us per step, %d turns; times ours: median over the turns\n", reps);
-    printf("  %-26s %-33s %8s %8s", "", "", "least", "median");
-    for (int k = 0; k < timing->n; k++)
-        if (timing->contestant[k].isa)
-            printf(" %7s", timing->contestant[k].isa);
-    printf("\n");
+    const struct contestant *first = &timing->contestant[0];
+    printf("  %-26s %-33s %9s %9s   over %s\n", "us per step", "", "least", "median", first->isa);
     for (int k = 0; k < timing->n; k++) {
         struct contestant *c = &timing->contestant[k];
-        c->median = median_of(c->us, reps);
-        c->least = c->us[0];
-        for (int r = 1; r < reps; r++)
-            c->least = fmin(c->least, c->us[r]);
-        report_one(timing, c, reps, rows);
+        char settings[64] = "";
+        if (!c->isa)
+            snprintf(settings, sizeof settings, "   skin %g a, delay %d", c->skin_ratio, c->delay);
+        printf("  %-26s %-33s %9.2f %9.2f   %6.2f %6.2f%s\n", c->name, c->note, c->least, c->median,
+               c->least / first->least, c->median / first->median, settings);
+        json_t *times = json_array();
+        for (int r = 0; r < reps; r++)
+            json_array_append_new(times, json_real(c->us[r]));
+        json_array_append_new(rows, json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:i, s:o}", "name", c->name, "note",
+                                              c->note, "least_us", c->least, "median_us", c->median, "ratio_least",
+                                              c->least / first->least, "ratio_median", c->median / first->median,
+                                              "skin_ratio", c->skin_ratio, "delay", c->delay, "us", times));
     }
 }
 
@@ -229,6 +193,13 @@ static enum status take_turns(struct timing *timing, int reps, json_t *rows)
             TRY(c->isa ? time_ours(timing, c->isa, &c->us[r])
                        : time_peer(timing, c, timing->work->at->steps, &c->us[r]));
         }
+    for (int k = 0; k < timing->n; k++) {
+        double sorted[PEERS_REPS_MAX];
+        memcpy(sorted, timing->contestant[k].us, sizeof sorted);
+        qsort(sorted, (size_t)reps, sizeof *sorted, rising);
+        timing->contestant[k].least = sorted[0];
+        timing->contestant[k].median = sorted[reps / 2];
+    }
     report_times(timing, reps, rows);
     return STATUS_OK;
 }

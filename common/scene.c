@@ -186,6 +186,8 @@ static const struct key scene_keys[] = {
      "[x, y, z]; empty: none"},
     {"checkpoint_interval_s", KEY_FLOAT, OF(scene, checkpoint_interval_s), "s", 0, INFINITY, "0", NULL, NULL,
      "wall-clock time between checkpoints; 0: none but at stage ends"},
+    {"threads", KEY_INT, OF(scene, threads), NULL, 0, 256, "0", NULL, NULL,
+     "threads of sim: speed only, never the result; 0: one below 10000 particles, else as many as there are CPUs"},
     {"sample", KEY_GROUP, OF(scene, sample), NULL, 0, 0, NULL, NULL, sample_keys, ""},
     {"material", KEY_GROUP, OF(scene, material), NULL, 0, 0, NULL, NULL, material_keys, ""},
     {"walls", KEY_GROUP, 0, NULL, 0, 0, NULL, NULL, scene_walls_keys, ""},

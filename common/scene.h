@@ -131,6 +131,7 @@ struct scene {
     struct scene_record record;
     struct scene_neighbor neighbor;
     struct scene_analysis analysis;
+    int64_t threads;              /* of sim; 0: by the number of particles */
     double checkpoint_interval_s; /* wall-clock */
     int64_t n_stages;
     struct scene_stage stage[SCENE_STAGES_MAX];

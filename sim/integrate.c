@@ -19,8 +19,7 @@ static void forces(struct world *world, double dt)
     struct contact_law_constants of_walls = world->law;
     of_walls.mu_s *= world->material->wall_friction;
     of_walls.mu_d *= world->material->wall_friction;
-    world->kernels.pair(&world->particles, &world->pairs, 0, world->pairs.n_sets, &world->law, world->particles.force,
-                        &lost);
+    threads_pair(&world->threads, &world->kernels, &world->particles, &world->pairs, &world->law, &lost);
     for (int w = 0; w < world->n_walls; w++)
         world->kernels.wall(&world->particles, &world->walls[w], &of_walls, &lost);
     contact_losses_add(&world->ledger.contacts, &lost);
@@ -37,7 +36,7 @@ static struct kick_constants kick_constants_of(const struct world *world, double
 static void kick(struct world *world, double dt)
 {
     struct kick_constants constants = kick_constants_of(world, dt);
-    world->ledger.background += dt * world->kernels.kick(&world->particles, &constants);
+    world->ledger.background += dt * threads_kick(&world->threads, &world->kernels, &world->particles, &constants);
 }
 
 void world_settle(const struct world *world)
@@ -54,10 +53,11 @@ static bool drift(struct world *world)
 {
     const double reach = 0.5 * world->neighbor.skin;
     if (!world->kick_due)
-        return world->kernels.drift(&world->particles, world->dt, reach);
+        return threads_drift(&world->threads, &world->kernels, &world->particles, world->dt, reach);
     struct kick_constants constants = kick_constants_of(world, world->dt);
     double background_w;
-    bool far = world->kernels.advance(&world->particles, &constants, world->dt, reach, &background_w);
+    bool far = threads_advance(&world->threads, &world->kernels, &world->particles, &constants, world->dt, reach,
+                               &background_w);
     world->kick_due = false;
     world->ledger.background += world->dt * background_w;
     return far;
@@ -65,7 +65,7 @@ static bool drift(struct world *world)
 
 void integrate_forces_anew(struct world *world)
 {
-    (void)world->kernels.drift(&world->particles, 0, INFINITY);
+    (void)threads_drift(&world->threads, &world->kernels, &world->particles, 0, INFINITY);
     forces(world, 0);
     kick(world, 0);
 }
@@ -100,7 +100,7 @@ static enum status renew_lists(struct world *world)
     TRY(check_inside(world));
     neighbor_tune(neighbor, &world->particles, world->walls, world->n_walls, world->step);
     neighbor->built_step = world->step;
-    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls);
+    return world_build_lists(world);
 }
 
 /* Puts the particles into a new order when it is due. The state is complete: nothing of the step has been done. */

@@ -182,7 +182,7 @@ static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
 {
     const f64 limit2 = f64_all(reach_m * reach_m);
     bool near = true;
-    for (int i = 0; i < p->count; i += F64_LANES) {
+    for (int i = p->from; i < p->count; i += F64_LANES) {
         struct NAME(motion) motion;
         for (int c = 0; c < DIM; c++) {
             motion.v[c] = f64_load(p->v[c] + i);
@@ -203,7 +203,7 @@ static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
 static double NAME(kick)(struct particles *p, const struct kick_constants *constants)
 {
     f64 power = f64_all(0.0);
-    for (int i = 0; i < p->count; i += F64_LANES) {
+    for (int i = p->from; i < p->count; i += F64_LANES) {
         struct NAME(motion) motion = NAME(kicked)(p, i, constants, &power);
         NAME(motion_store)(p, i, &motion);
     }
@@ -217,7 +217,7 @@ static bool NAME(advance)(struct particles *p, const struct kick_constants *cons
     const f64 limit2 = f64_all(reach_m * reach_m);
     f64 power = f64_all(0.0);
     bool near = true;
-    for (int i = 0; i < p->count; i += F64_LANES) {
+    for (int i = p->from; i < p->count; i += F64_LANES) {
         struct NAME(motion) motion = NAME(kicked)(p, i, constants, &power);
         near = NAME(drifted)(p, i, dt_s, limit2, &motion) && near;
         NAME(motion_store)(p, i, &motion);

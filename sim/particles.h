@@ -11,6 +11,7 @@
 
 struct particles {
     int count;
+    int from;         /* first that drift and kick treat; 0 but in a part for a thread (threads.c) */
     int dimension;    /* components of x, v, a, force */
     int n_rotations;  /* components of omega: 0 without friction, 1 in 2D (about x cross z), 3 in 3D */
     int32_t *id;      /* [count] name of the particle in each slot; all else here is by slot (renumber.h) */

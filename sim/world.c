@@ -76,7 +76,16 @@ enum status world_init_lists(struct world *world)
 {
     TRY(neighbor_init(&world->neighbor, &world->particles, world->scene->neighbor.skin_ratio, world->pairs.hysteretic,
                       world->isa));
+    TRY(threads_init(&world->threads, &world->particles, world->scene->threads));
+    threads_cut(&world->threads, &world->particles, &world->pairs);
     world->neighbor.renumber_steps = renumber_interval(world->scene->neighbor.renumber_steps, world->particles.count);
+    return STATUS_OK;
+}
+
+enum status world_build_lists(struct world *world)
+{
+    TRY(neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls));
+    threads_cut(&world->threads, &world->particles, &world->pairs);
     return STATUS_OK;
 }
 
@@ -92,7 +101,7 @@ static enum status fill_sample(struct world *world)
     for (int w = 0; w < world->n_walls; w++)
         world->path.x0[w] = world->walls[w].x;
     TRY(world_init_lists(world));
-    return neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls);
+    return world_build_lists(world);
 }
 
 enum status world_create_empty(struct world **world, const struct scene *scene)
@@ -114,6 +123,7 @@ void world_free(struct world *world)
     for (int w = 0; w < world->n_walls; w++)
         contact_list_free(&world->walls[w].contacts);
     neighbor_free(&world->neighbor);
+    threads_free(&world->threads);
     free(world);
 }
 

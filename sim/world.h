@@ -10,6 +10,7 @@
 #include "sim/kernels.h"
 #include "sim/neighbor.h"
 #include "sim/particles.h"
+#include "sim/threads.h"
 
 /* Energy ledger since the start of the stage [J]. */
 struct ledger {
@@ -37,6 +38,7 @@ struct world {
     struct particles particles;
     struct contact_list pairs;
     struct neighbor neighbor;
+    struct threads threads;
     struct wall walls[SCENE_WALLS_MAX];
     int n_walls;
     struct wall_path path;
@@ -68,6 +70,9 @@ void world_free(struct world *world);
 
 /* Prepares the lists of contacts for the particles' radii. */
 enum status world_init_lists(struct world *world) MUST_USE;
+
+/* Builds the lists anew, for the positions as they are. Errors: as of neighbor_build. */
+enum status world_build_lists(struct world *world) MUST_USE;
 
 /* Sets what follows from the stage and the scene: material and law. */
 void world_set_law(struct world *world);

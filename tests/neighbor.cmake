@@ -1,5 +1,7 @@
-# Lists of neighbours, their histories, and renumbering.
-add_executable(test_neighbor ${CMAKE_CURRENT_LIST_DIR}/test_neighbor.c)
-target_link_libraries(test_neighbor PRIVATE sim_fixture)
-add_test(NAME neighbor COMMAND test_neighbor)
-set_tests_properties(neighbor PROPERTIES LABELS unit TIMEOUT 120)
+# Lists of neighbours, their histories, renumbering; threads.
+foreach(part neighbor threads)
+  add_executable(test_${part} ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c)
+  target_link_libraries(test_${part} PRIVATE sim_fixture)
+  add_test(NAME ${part} COMMAND test_${part})
+  set_tests_properties(${part} PROPERTIES LABELS unit TIMEOUT 120)
+endforeach()

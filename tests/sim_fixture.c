@@ -74,7 +74,7 @@ void fixture_start(struct fixture *fixture)
     struct world *world = fixture->world;
     struct wall_command command = {.n_steps = INT_MAX, .n_walls = world->n_walls};
     particles_set_mass(&world->particles, fixture->scene->sample.density_kg_per_m3);
-    must(neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls));
+    must(world_build_lists(world));
     for (int w = 0; w < world->n_walls; w++)
         command.position_m[w] = world->walls[w].x;
     must(world_command(world, &command));

@@ -40,7 +40,7 @@ static struct fixture scatter(int dimension, int count, double ratio, double fil
 
 static void build(struct world *world)
 {
-    must(neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls));
+    must(world_build_lists(world));
 }
 
 static double distance(const struct particles *p, int i, int j)

@@ -1,0 +1,115 @@
+/* Threads: the same bits for any number of them, the physics of one, and small samples left alone. */
+#include "sim_fixture.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim/random.h"
+
+enum { LARGE = 10000, SMALL = 9000, STEPS = 40 };
+
+/* Particles anywhere in a box that they would fill to 70 %, so that nearly all touch; they fly apart slowly. */
+static struct fixture crowd(int dimension, int count, int threads, const char *precision)
+{
+    char more[160];
+    snprintf(more, sizeof more,
+             "threads = %d; precision = \"%s\"; neighbor = { skin_ratio = 0.02; renumber_steps = 25; };", threads,
+             precision);
+    const struct fixture_options options = {dimension, count, 1e-6,
+                                            "law = \"hysteretic\"; k1_n_per_m = 8e1; k2_n_per_m = 1e2; mu_s = 0.3; "
+                                            "kt_n_per_m = 2e1; gamma_n_kg_per_s = 0.001; gamma_t_kg_per_s = 0.001; "
+                                            "gamma_b_kg_per_s = 1e-4;",
+                                            more};
+    struct fixture f = fixture_open(&options);
+    struct world *world = f.world;
+    struct particles *p = &world->particles;
+    struct random random;
+    random_init(&random, 11);
+    double side = pow(particles_solid_volume(p) / 0.7, 1.0 / dimension);
+    for (int c = 0; c < dimension; c++) {
+        world->walls[2 * c].x = 0;
+        world->walls[2 * c + 1].x = side;
+        for (int i = 0; i < count; i++) {
+            p->x[c][i] = side * random_uniform(&random);
+            p->v[c][i] = 2 * random_uniform(&random) - 1;
+        }
+    }
+    fixture_start(&f);
+    return f;
+}
+
+static bool same_losses(const struct ledger *a, const struct ledger *b)
+{
+    return memcmp(a, b, sizeof *a) == 0;
+}
+
+/* Positions, velocities, rotations, walls, and the energy ledger, whose sums have a fixed order too. */
+static void any_number_gives_the_same_bits(void **state)
+{
+    (void)state;
+    for (int model = 0; model < 4; model++) {
+        const int dimension = 2 + model / 2;
+        const char *precision = model % 2 ? "mixed" : "double";
+        struct fixture one = crowd(dimension, LARGE, 1, precision);
+        fixture_steps(&one, STEPS);
+        assert_int_equal(one.world->threads.n, 1);
+        assert_true(one.world->threads.n_pieces > 1 && one.world->pairs.count > LARGE);
+        assert_true(one.world->neighbor.rebuilds > 4);
+        for (int threads = 2; threads <= 4; threads++) {
+            struct fixture many = crowd(dimension, LARGE, threads, precision);
+            fixture_steps(&many, STEPS);
+#ifndef __SANITIZE_THREAD__
+            assert_int_equal(many.world->threads.n, threads);
+#endif
+            assert_true(world_hash(one.world) == world_hash(many.world));
+            assert_true(same_losses(&one.world->ledger, &many.world->ledger));
+            fixture_close(&many);
+        }
+        fixture_close(&one);
+    }
+}
+
+/* Against the sum in one go, which the small samples use: rounding alone. Speeds are about 1 m/s, so each step rounds
+ * at 1e-16 m/s, and a few dozen steps of soft contacts amplify little. */
+static void pieces_add_up(void **state)
+{
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        struct fixture pieces = crowd(dimension, LARGE, 2, "double"), whole = crowd(dimension, LARGE, 1, "double");
+        const struct particles *a = &pieces.world->particles, *b = &whole.world->particles;
+        double worst = 0;
+        whole.world->threads.n_pieces = 1;
+        fixture_steps(&pieces, STEPS);
+        fixture_steps(&whole, STEPS);
+        for (int i = 0; i < a->count; i++)
+            for (int c = 0; c < dimension; c++)
+                worst = fmax(worst, fabs(a->v[c][a->slot[i]] - b->v[c][b->slot[i]]));
+        assert_true(worst > 0);
+        assert_close("largest difference", worst, 0, 1e-12);
+        assert_close("work of the background", pieces.world->ledger.background, whole.world->ledger.background,
+                     1e-12 * whole.world->ledger.background);
+        whole.world->threads.n_pieces = pieces.world->threads.n_pieces; /* to be freed */
+        fixture_close(&pieces);
+        fixture_close(&whole);
+    }
+}
+
+static void small_samples_are_left_alone(void **state)
+{
+    (void)state;
+    struct fixture f = crowd(2, SMALL, 4, "double");
+    assert_int_equal(f.world->threads.n, 1);
+    assert_int_equal(f.world->threads.n_pieces, 1);
+    fixture_close(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_number_gives_the_same_bits),
+        cmocka_unit_test(pieces_add_up),
+        cmocka_unit_test(small_samples_are_left_alone),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
