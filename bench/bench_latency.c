@@ -29,7 +29,7 @@ struct end {
     struct sockaddr_in group;
     struct bus bus;
     const struct scene *scene;
-    bool busy, law, is_server;
+    bool busy, law, direct, is_server;
     int64_t seen;
 };
 
@@ -37,7 +37,7 @@ struct layer {
     const char *name, *what;
     void (*open)(struct end *end);
     void (*round)(struct end *end, int64_t k);
-    bool law, busy, listener;
+    bool law, listener, direct, busy;
 };
 
 static void must(bool good, const char *what)
@@ -137,7 +137,7 @@ static void lcm_open(struct end *end)
     char url[64];
     snprintf(url, sizeof url, "udpm://" GROUP ":%d?ttl=0", LCM_PORT);
     end->seen = -1;
-    must_ok(bus_open(&end->bus, url));
+    must_ok((end->direct ? bus_open_direct : bus_open)(&end->bus, url));
     must_ok(bus_subscribe(&end->bus, end->is_server ? CHANNEL_WALL_STATE : CHANNEL_WALL_COMMAND, on_message, end));
 }
 
@@ -207,12 +207,13 @@ static const char scene_text[] =
     "stages = ( { name = \"a\"; dt_s = 1e-3; duration_s = 1e6; } );\n";
 
 static const struct layer layers[] = {
-    {"pipe", "one byte through a pipe and back", pipe_open, pipe_round, false, false, false},
-    {"datagram", "500 bytes over multicast loopback and back", socket_open, socket_round, false, false, false},
-    {"lcm", "the same through LCM", lcm_open, lcm_round, false, false, false},
-    {"law", "wall messages, with the control law", lcm_open, lcm_round, true, false, false},
-    {"listener", "with a third process on the bus", lcm_open, lcm_round, true, false, true},
-    {"busy", "without sleeping (coupling.busy_poll)", lcm_open, lcm_round, true, true, true},
+    {"pipe", "one byte through a pipe and back", pipe_open, pipe_round, false, false, false, false},
+    {"datagram", "500 bytes over multicast loopback and back", socket_open, socket_round, false, false, false, false},
+    {"lcm", "the same through LCM", lcm_open, lcm_round, false, false, false, false},
+    {"law", "wall messages, with the control law", lcm_open, lcm_round, true, false, false, false},
+    {"listener", "with a third process on the bus", lcm_open, lcm_round, true, true, false, false},
+    {"direct", "received in the own thread, the rest filtered", lcm_open, lcm_round, true, true, true, false},
+    {"busy", "without sleeping (coupling.busy_poll)", lcm_open, lcm_round, true, true, true, true},
 };
 
 static int by_size(const void *a, const void *b)
@@ -247,7 +248,12 @@ static json_t *measure(const struct layer *layer, const struct scene *scene, int
     long child_before = switches(RUSAGE_CHILDREN);
     pid_t server = fork();
     must(server >= 0, "fork");
-    struct end end = {.scene = scene, .law = layer->law, .busy = layer->busy, .in = back[0], .out = there[1]};
+    struct end end = {.scene = scene,
+                      .law = layer->law,
+                      .busy = layer->busy,
+                      .direct = layer->direct,
+                      .in = back[0],
+                      .out = there[1]};
     if (server == 0) {
         end.is_server = true;
         end.in = there[0];

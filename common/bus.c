@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,6 +11,8 @@
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
+
+#include "common/direct.h"
 
 #define DEFAULT_URL      "udpm://239.255.76.67:7667?ttl=0"
 #define RECV_BUF_SIZE    "recv_buf_size=4194304"
@@ -108,7 +111,7 @@ static const char *log_write_mode(const char *url)
     return strstr(options, "mode=w") ? "w" : strstr(options, "mode=a") ? "a" : NULL;
 }
 
-enum status bus_open(struct bus *bus, const char *url)
+static enum status open_url(struct bus *bus, const char *url, bool direct)
 {
     char full[URL_MAX];
     bool receives = false;
@@ -122,15 +125,28 @@ enum status bus_open(struct bus *bus, const char *url)
             bus_close(bus);
         return status;
     }
-    bus->lcm = lcm_create_quiet(full, &receives);
-    if (receives)
+    if (direct && direct_open(&bus->direct, full) != STATUS_OK)
+        return open_failure(full);
+    bus->lcm = bus->direct ? lcm_create(full) : lcm_create_quiet(full, &receives);
+    if (receives || (bus->direct && bus->lcm))
         return STATUS_OK;
     bus_close(bus);
     return open_failure(full);
 }
 
+enum status bus_open(struct bus *bus, const char *url)
+{
+    return open_url(bus, url, false);
+}
+
+enum status bus_open_direct(struct bus *bus, const char *url)
+{
+    return open_url(bus, url, true);
+}
+
 void bus_close(struct bus *bus)
 {
+    direct_close(bus->direct);
     if (bus->lcm)
         lcm_destroy(bus->lcm);
     if (bus->log)
@@ -188,30 +204,35 @@ static enum status channel_escape(const char *channel, char escaped[2 * CHANNEL_
 }
 
 enum status bus_subscribe_for_a_while(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user,
-                                      lcm_subscription_t **subscription)
+                                      void **handle)
 {
     char pattern[2 * CHANNEL_NAME_MAX + 1];
-    *subscription = NULL;
+    *handle = NULL;
     TRY(channel_escape(channel, pattern));
-    *subscription = lcm_subscribe(bus->lcm, pattern, handler, user);
-    if (!*subscription)
+    if (bus->direct)
+        return direct_subscribe(bus->direct, channel, handler, user, handle);
+    lcm_subscription_t *subscription = lcm_subscribe(bus->lcm, pattern, handler, user);
+    *handle = subscription;
+    if (!subscription)
         return status_fail(STATUS_BUS, "cannot subscribe to %s; if the LCM self test failed, try " NO_MULTICAST_FIX,
                            channel);
     /* The default of 30 drops the newest message without a word. */
-    if (lcm_subscription_set_queue_capacity(*subscription, QUEUE_CAPACITY) != 0)
+    if (lcm_subscription_set_queue_capacity(subscription, QUEUE_CAPACITY) != 0)
         return status_fail(STATUS_BUS, "cannot set the queue capacity of %s", channel);
     return STATUS_OK;
 }
 
 enum status bus_subscribe(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user)
 {
-    lcm_subscription_t *subscription = NULL;
+    void *subscription = NULL;
     return bus_subscribe_for_a_while(bus, channel, handler, user, &subscription);
 }
 
-void bus_unsubscribe(struct bus *bus, lcm_subscription_t *subscription)
+void bus_unsubscribe(struct bus *bus, void *subscription)
 {
-    if (subscription && lcm_unsubscribe(bus->lcm, subscription) != 0)
+    if (bus->direct)
+        direct_unsubscribe(bus->direct, subscription);
+    else if (subscription && lcm_unsubscribe(bus->lcm, subscription) != 0)
         fprintf(stderr, "shakedown: warning: LCM does not know a subscription that is to end\n");
 }
 
@@ -245,10 +266,12 @@ enum status bus_wait(struct bus *bus, int timeout_ms, bool busy, bool *handled)
     if (!busy)
         return bus_handle(bus, timeout_ms, handled);
     const double until = clock_now_s() + 1e-3 * timeout_ms;
-    do
+    for (;;) {
         TRY(bus_handle(bus, 0, handled));
-    while (!*handled && clock_now_s() < until);
-    return STATUS_OK;
+        if (*handled || clock_now_s() >= until)
+            return STATUS_OK;
+        sched_yield(); /* whoever else waits for this core goes first: the recorder, or the one waited for */
+    }
 }
 
 /* lcm_handle_timeout is not used: when a signal interrupts its wait it goes on to block without a limit. */
@@ -257,6 +280,8 @@ enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
     *handled = false;
     if (bus->log) /* nobody to wait for */
         return STATUS_OK;
+    if (bus->direct)
+        return direct_handle(bus->direct, timeout_ms, handled);
     struct pollfd waiting = {.fd = lcm_get_fileno(bus->lcm), .events = POLLIN};
     int ready = poll(&waiting, 1, timeout_ms);
     if (ready < 0 && errno != EINTR)

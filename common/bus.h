@@ -38,6 +38,7 @@ extern const char *const record_channel_name[RECORD_CHANNELS];
 enum { BUS_MESSAGE_MAX = 60000 };
 
 struct bus {
+    struct direct *direct;  /* receives instead of LCM; NULL: LCM does */
     lcm_t *lcm;             /* NULL: not open. Publish through bus_publish: a log that is written does not hear of it */
     bool is_log;            /* file:// URL: nobody answers */
     lcm_eventlog_t *log;    /* a log that is written; LCM's own log writer does not notice a full disk */
@@ -50,6 +51,10 @@ struct bus {
  * A file:// URL reads the log as fast as possible (speed=0 is appended), writes it with ?mode=w, or goes on with
  * ?mode=a. STATUS_BUS with the likely cause (no multicast route) on failure. */
 enum status bus_open(struct bus *bus, const char *url) MUST_USE;
+
+/* The same, but receives in the caller's thread (common/direct.h) where the URL lets it: quick answers, for those who
+ * take few and small messages and never pause for long. */
+enum status bus_open_direct(struct bus *bus, const char *url) MUST_USE;
 void bus_close(struct bus *bus);
 
 /* Writes what a log that is written still buffers, so that a full disk is noticed; does nothing on a network.
@@ -68,8 +73,8 @@ enum status bus_subscribe(struct bus *bus, const char *channel, lcm_msg_handler_
 
 /* The same, for a subscriber that ends before the bus: *subscription goes to bus_unsubscribe. */
 enum status bus_subscribe_for_a_while(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user,
-                                      lcm_subscription_t **subscription) MUST_USE;
-void bus_unsubscribe(struct bus *bus, lcm_subscription_t *subscription);
+                                      void **subscription) MUST_USE;
+void bus_unsubscribe(struct bus *bus, void *subscription);
 
 /* Publishes `size` bytes (at most BUS_MESSAGE_MAX, else STATUS_LIMIT). That LCM took them says nothing about arrival.
  */

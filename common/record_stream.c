@@ -27,7 +27,7 @@ struct record {
 
 struct record_stream {
     struct bus *bus;
-    lcm_subscription_t *subscription;
+    void *subscription;
     int64_t run_id;
     double timeout_s;
     struct record *first;   /* oldest unacknowledged; NULL: none */

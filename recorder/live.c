@@ -17,7 +17,7 @@ struct live;
 struct live_channel {
     struct live *live;
     int kind;
-    lcm_subscription_t *subscription; /* NULL: ended */
+    void *subscription; /* NULL: ended */
 };
 
 struct live {

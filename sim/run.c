@@ -397,7 +397,7 @@ static enum status open_records(struct run *run)
         return STATUS_OK;
     if (run->resumed && run->options->url && strstr(run->options->url, "mode=w"))
         return status_fail(STATUS_USAGE, "%s would lose what was recorded: go on with ?mode=a", run->options->url);
-    TRY(bus_open(&run->bus, run->options->url));
+    TRY(bus_open_direct(&run->bus, run->options->url));
     TRY(record_stream_create(&run->stream, &run->bus, run->options->run_id, run->scene->coupling.timeout_s));
     records_init(&run->records, run->stream, run->options->run_id);
     return resume_records(run);

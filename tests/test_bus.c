@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <arpa/inet.h>
 #include <cmocka.h>
 #include <pthread.h>
 #include <sched.h>
@@ -115,6 +116,96 @@ static void two_buses_talk(void **unused)
 }
 
 /* A namespace without any route, in a child so that this one keeps its own. */
+/* ---- received without LCM's thread ---- */
+
+struct heard {
+    int count;
+    size_t size;
+    unsigned char first, last;
+    char channel[64];
+};
+
+static void hear(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    struct heard *heard = user;
+    const unsigned char *data = buffer->data;
+    heard->count++;
+    heard->size = buffer->data_size;
+    heard->first = buffer->data_size ? data[0] : 0;
+    heard->last = buffer->data_size ? data[buffer->data_size - 1] : 0;
+    snprintf(heard->channel, sizeof heard->channel, "%s", channel);
+}
+
+static void direct_hears_what_lcm_says(void **unused)
+{
+    static unsigned char large[BUS_MESSAGE_MAX];
+    struct bus lcm, direct;
+    struct heard walls = {0}, ack = {0}, back = {0};
+    void *handle;
+    (void)unused;
+    must(bus_open(&lcm, NULL));
+    must(bus_open_direct(&direct, NULL));
+    assert_non_null(direct.direct);
+    must(bus_subscribe(&direct, "WALL_COMMAND", hear, &walls));
+    must(bus_subscribe_for_a_while(&direct, "RECORD_ACK", hear, &ack, &handle));
+    must(bus_subscribe(&lcm, "WALL_STATE", hear, &back));
+    large[0] = 1;
+    large[BUS_MESSAGE_MAX - 1] = 2;
+    must(bus_publish(&lcm, "WALL_COMMAND", large, BUS_MESSAGE_MAX)); /* the largest */
+    must(bus_publish(&lcm, "WALL_COMMAN", "x", 1));                  /* names that begin alike */
+    must(bus_publish(&lcm, "WALL_COMMANDS", "x", 1));
+    must(bus_publish(&lcm, "RECORD_ACK", "abc", 3));
+    must(bus_publish(&lcm, "WALL_COMMAND", "", 0));
+    assert_int_equal(drain(&direct, 100), 3);
+    assert_int_equal(walls.count, 2);
+    assert_int_equal(walls.size, 0);
+    assert_string_equal(walls.channel, "WALL_COMMAND");
+    assert_true(ack.count == 1 && ack.size == 3 && ack.first == 'a' && ack.last == 'c');
+    must(bus_publish(&lcm, "WALL_COMMAND", large, BUS_MESSAGE_MAX));
+    assert_int_equal(drain(&direct, 100), 1);
+    assert_true(walls.size == BUS_MESSAGE_MAX && walls.first == 1 && walls.last == 2);
+    bus_unsubscribe(&direct, handle);
+    must(bus_publish(&lcm, "RECORD_ACK", "abc", 3));
+    assert_int_equal(drain(&direct, 100), 0);
+    must(bus_publish(&direct, "WALL_STATE", "yes", 3));
+    assert_int_equal(drain(&lcm, 100), 1);
+    assert_true(back.count == 1 && back.size == 3);
+    bus_close(&direct);
+    bus_close(&lcm);
+}
+
+/* Datagrams that are no LCM messages, cut ones, and those of another group on the same port. */
+static void direct_drops_nonsense(void **unused)
+{
+    static const char *const datagrams[] = {"LC02\0\0\0\0WALL", "LC03\0\0\0\0WALL_COMMAND", "XXXX\0\0\0\0WALL_COMMAND",
+                                            "L"};
+    static const size_t sizes[] = {12, 21, 21, 1};
+    struct bus direct, other;
+    struct heard walls = {0};
+    (void)unused;
+    must(bus_open_direct(&direct, "udpm://239.255.76.67:7667?ttl=0"));
+    must(bus_subscribe(&direct, "WALL_COMMAND", hear, &walls));
+    struct sockaddr_in group = {.sin_family = AF_INET, .sin_port = htons(7667)};
+    group.sin_addr.s_addr = inet_addr("239.255.76.67");
+    int sender = socket(AF_INET, SOCK_DGRAM, 0);
+    assert_true(sender >= 0);
+    for (int k = 0; k < 4; k++)
+        assert_int_equal(sendto(sender, datagrams[k], sizes[k], 0, (struct sockaddr *)&group, sizeof group), sizes[k]);
+    must(bus_open(&other, "udpm://239.255.76.68:7667?ttl=0"));
+    must(bus_publish(&other, "WALL_COMMAND", "x", 1));
+    bool handled;
+    for (int k = 0; k < 8; k++)
+        must(bus_handle(&direct, 20, &handled));
+    assert_int_equal(walls.count, 0);
+    assert_int_equal(sendto(sender, "LC02\0\0\0\0WALL_COMMAND\0yes", 24, 0, (struct sockaddr *)&group, sizeof group),
+                     24);
+    assert_int_equal(drain(&direct, 100), 1);
+    assert_true(walls.count == 1 && walls.size == 3);
+    close(sender);
+    bus_close(&other);
+    bus_close(&direct);
+}
+
 static void a_missing_route_is_named(void **unused)
 {
     (void)unused;
@@ -124,7 +215,7 @@ static void a_missing_route_is_named(void **unused)
         struct bus bus;
         if (unshare(CLONE_NEWNET) != 0 || !freopen("/dev/null", "w", stderr)) /* LCM's own advice is long */
             _exit(2);
-        if (bus_open(&bus, NULL) != STATUS_BUS || bus.lcm)
+        if (bus_open(&bus, NULL) != STATUS_BUS || bus.lcm || bus_open_direct(&bus, NULL) != STATUS_BUS || bus.direct)
             _exit(3);
         _exit(strstr(status_message(), "ip route add 224.0.0.0/4 dev lo") ? 0 : 4);
     }
@@ -675,6 +766,8 @@ int main(void)
         cmocka_unit_test(a_burst_fits_the_queue),
         cmocka_unit_test(channels_are_names_not_patterns),
         cmocka_unit_test(two_buses_talk),
+        cmocka_unit_test(direct_hears_what_lcm_says),
+        cmocka_unit_test(direct_drops_nonsense),
         cmocka_unit_test(a_missing_route_is_named),
         cmocka_unit_test(wrong_urls_are_refused),
         cmocka_unit_test(a_log_ends_without_an_error),

@@ -92,7 +92,7 @@ static enum status loop(struct controller *c)
 enum status controller_run(struct bus *bus, const struct scene *scene, int64_t run_id, struct controller_counts *counts)
 {
     struct controller c = {.bus = bus, .scene = scene, .run_id = run_id, .counts = counts};
-    lcm_subscription_t *states = NULL, *ends = NULL;
+    void *states = NULL, *ends = NULL;
     memset(counts, 0, sizeof *counts);
     enum status status = bus_subscribe_for_a_while(bus, CHANNEL_WALL_STATE, on_state, &c, &states);
     if (status == STATUS_OK)

@@ -30,7 +30,7 @@ static enum status control(const struct command_line *line, const struct scene *
     if (!line->run_id_given)
         return status_fail(STATUS_USAGE, "--run-id is missing");
     TRY(signals_install());
-    TRY(bus_open(&bus, line->lcm_url));
+    TRY(bus_open_direct(&bus, line->lcm_url));
     enum status status = controller_run(&bus, scene, line->run_id, &counts);
     bus_close(&bus);
     if (counts.foreign + counts.malformed + counts.rejected > 0)

@@ -140,7 +140,7 @@ enum status replay_run(struct bus *bus, const struct scene *scene, bool run_id_g
                        struct replay_counts *counts)
 {
     struct replay r = {.scene = scene, .run_known = run_id_given, .run_id = run_id, .counts = counts};
-    lcm_subscription_t *states = NULL, *commands = NULL, *ends = NULL;
+    void *states = NULL, *commands = NULL, *ends = NULL;
     memset(counts, 0, sizeof *counts);
     if (!bus->is_log || bus->log)
         return status_fail(STATUS_USAGE, "a replay reads an event log");

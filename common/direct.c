@@ -1,0 +1,179 @@
+#include "common/direct.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <linux/filter.h>
+#include <netinet/in.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+enum { CHANNELS_MAX = 8, NAME_MAX_LENGTH = 63, DATAGRAM_MAX = 65536, RECEIVE_BUFFER = 4194304 };
+
+/* Offsets: the filter counts from the UDP header. */
+enum {
+    UDP_HEADER = 8,
+    MAGIC_SIZE = 4,
+    MESSAGE_HEADER = 8,
+    FILTER_MAX = CHANNELS_MAX * (2 * (NAME_MAX_LENGTH + 1) + 1) + 1
+};
+static const char MAGIC[MAGIC_SIZE] = {'L', 'C', '0', '2'};
+
+struct channel {
+    char name[NAME_MAX_LENGTH + 1]; /* "": free */
+    lcm_msg_handler_t handler;
+    void *user;
+};
+
+struct direct {
+    int socket;
+    int timeout_ms; /* the socket's */
+    struct channel channel[CHANNELS_MAX];
+    unsigned char datagram[DATAGRAM_MAX];
+};
+
+/* false: not a numeric address and a port. */
+static bool group_of(const char *url, struct sockaddr_in *group)
+{
+    char address[16];
+    int port = 0;
+    *group = (struct sockaddr_in){.sin_family = AF_INET};
+    if (sscanf(url, "udpm://%15[0-9.]:%d", address, &port) != 2 || port < 1 || port > 65535)
+        return false;
+    group->sin_port = htons((uint16_t)port);
+    return inet_pton(AF_INET, address, &group->sin_addr) == 1;
+}
+
+/* Bound to the group itself: another group on the same port is not received. */
+static bool socket_join(struct direct *direct, const struct sockaddr_in *group)
+{
+    const int on = 1, size = RECEIVE_BUFFER;
+    struct ip_mreq membership = {.imr_multiaddr = group->sin_addr};
+    direct->socket = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    return direct->socket >= 0 && setsockopt(direct->socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0 &&
+           setsockopt(direct->socket, SOL_SOCKET, SO_REUSEPORT, &on, sizeof on) == 0 &&
+           setsockopt(direct->socket, SOL_SOCKET, SO_RCVBUF, &size, sizeof size) == 0 &&
+           bind(direct->socket, (const struct sockaddr *)group, sizeof *group) == 0 &&
+           setsockopt(direct->socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0;
+}
+
+/* Classic BPF: name and NUL of each channel, byte by byte; whatever is none of them is dropped. */
+static bool socket_filter(const struct direct *direct)
+{
+    struct sock_filter code[FILTER_MAX];
+    unsigned short n = 0;
+    for (int c = 0; c < CHANNELS_MAX; c++) {
+        const char *name = direct->channel[c].name;
+        const unsigned length = (unsigned)strlen(name) + 1;
+        if (length == 1)
+            continue;
+        for (unsigned k = 0; k < length; k++) {
+            /* to the next channel: over the rest of this one's pairs and its return */
+            const unsigned char next = (unsigned char)(2 * (length - 1 - k) + 1);
+            code[n++] = (struct sock_filter)BPF_STMT(BPF_LD | BPF_B | BPF_ABS, UDP_HEADER + MESSAGE_HEADER + k);
+            code[n++] = (struct sock_filter)BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, (unsigned char)name[k], 0, next);
+        }
+        code[n++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, UINT32_MAX);
+    }
+    code[n++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, 0);
+    const struct sock_fprog program = {.len = n, .filter = code};
+    return setsockopt(direct->socket, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof program) == 0;
+}
+
+enum status direct_open(struct direct **result, const char *url)
+{
+    struct sockaddr_in group;
+    *result = NULL;
+    if (!group_of(url, &group))
+        return STATUS_OK;
+    struct direct *direct = calloc(1, sizeof *direct);
+    if (!direct)
+        return status_fail(STATUS_NO_MEMORY, "no memory for a receiver");
+    if (!socket_join(direct, &group) || !socket_filter(direct)) {
+        enum status status =
+            status_fail(STATUS_BUS, "cannot receive from the LCM bus \"%s\": %s", url, strerror(errno));
+        direct_close(direct);
+        return status;
+    }
+    *result = direct;
+    return STATUS_OK;
+}
+
+void direct_close(struct direct *direct)
+{
+    if (direct && direct->socket >= 0)
+        close(direct->socket);
+    free(direct);
+}
+
+enum status direct_subscribe(struct direct *direct, const char *name, lcm_msg_handler_t handler, void *user,
+                             void **handle)
+{
+    *handle = NULL;
+    for (int c = 0; c < CHANNELS_MAX; c++) {
+        struct channel *channel = &direct->channel[c];
+        if (channel->name[0])
+            continue;
+        *channel = (struct channel){.handler = handler, .user = user};
+        snprintf(channel->name, sizeof channel->name, "%s", name);
+        *handle = channel;
+        return socket_filter(direct) ? STATUS_OK
+                                     : status_fail(STATUS_BUS, "cannot subscribe to %s: %s", name, strerror(errno));
+    }
+    return status_fail(STATUS_LIMIT, "no more than %d channels are received directly", CHANNELS_MAX);
+}
+
+void direct_unsubscribe(struct direct *direct, void *handle)
+{
+    struct channel *channel = handle;
+    if (!channel)
+        return;
+    channel->name[0] = '\0';
+    (void)socket_filter(direct); /* without it, what still comes has no handler */
+}
+
+static bool receive(struct direct *direct, int timeout_ms, size_t *size)
+{
+    if (timeout_ms > 0 && timeout_ms != direct->timeout_ms) {
+        struct timeval timeout = {.tv_sec = timeout_ms / 1000, .tv_usec = timeout_ms % 1000 * 1000};
+        if (setsockopt(direct->socket, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout) == 0)
+            direct->timeout_ms = timeout_ms;
+    }
+    ssize_t got = recv(direct->socket, direct->datagram, sizeof direct->datagram, timeout_ms > 0 ? 0 : MSG_DONTWAIT);
+    *size = got > 0 ? (size_t)got : 0;
+    return got >= 0;
+}
+
+/* The handlers of a datagram's channel; true if there was one. */
+static bool dispatch(struct direct *direct, size_t size)
+{
+    const char *name = (const char *)direct->datagram + MESSAGE_HEADER;
+    bool handled = false;
+    if (size <= MESSAGE_HEADER || memcmp(direct->datagram, MAGIC, MAGIC_SIZE) != 0)
+        return false;
+    const size_t length = strnlen(name, size - MESSAGE_HEADER) + 1;
+    if (length > size - MESSAGE_HEADER || length > NAME_MAX_LENGTH + 1 || length == 1)
+        return false;
+    lcm_recv_buf_t buffer = {.data = direct->datagram + MESSAGE_HEADER + length,
+                             .data_size = (uint32_t)(size - MESSAGE_HEADER - length)};
+    for (int c = 0; c < CHANNELS_MAX; c++)
+        if (strcmp(direct->channel[c].name, name) == 0) {
+            direct->channel[c].handler(&buffer, name, direct->channel[c].user);
+            handled = true;
+        }
+    return handled;
+}
+
+enum status direct_handle(struct direct *direct, int timeout_ms, bool *handled)
+{
+    size_t size;
+    *handled = false;
+    if (receive(direct, timeout_ms, &size))
+        *handled = dispatch(direct, size);
+    else if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)
+        return status_fail(STATUS_BUS, "cannot receive from the bus: %s", strerror(errno));
+    return STATUS_OK;
+}
