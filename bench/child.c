@@ -3,10 +3,12 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <sched.h>
+#include <signal.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -16,6 +18,7 @@ enum { LOG_END = 400 }; /* characters of a failed child's log that are shown */
 
 static void become(const struct child *child)
 {
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL); /* nothing is left behind if the bench is killed */
     int log = open(child->log, O_WRONLY | O_CREAT | O_TRUNC, 0644), nothing = open("/dev/null", O_RDONLY);
     if (log < 0 || nothing < 0 || dup2(nothing, 0) < 0 || dup2(log, 1) < 0 || dup2(log, 2) < 0)
         _exit(126);
@@ -44,15 +47,23 @@ static double seconds(struct timeval t)
     return (double)t.tv_sec + 1e-6 * (double)t.tv_usec;
 }
 
-enum status child_run(struct child *child)
+enum status child_start(const struct child *child, pid_t *started)
 {
-    struct rusage usage;
-    int state;
     pid_t pid = fork();
     if (pid < 0)
         return status_fail(STATUS_IO, "%s cannot be started: %s", child->argv[0], strerror(errno));
     if (pid == 0)
         become(child);
+    *started = pid;
+    return STATUS_OK;
+}
+
+enum status child_run(struct child *child)
+{
+    struct rusage usage;
+    pid_t pid = 0;
+    int state;
+    TRY(child_start(child, &pid));
     while (wait4(pid, &state, 0, &usage) < 0)
         if (errno != EINTR)
             return status_fail(STATUS_IO, "%s: %s", child->argv[0], strerror(errno));

@@ -2,6 +2,8 @@
 #ifndef SHAKEDOWN_BENCH_CHILD_H
 #define SHAKEDOWN_BENCH_CHILD_H
 
+#include <sys/types.h>
+
 #include "common/status.h"
 
 struct child {
@@ -14,6 +16,9 @@ struct child {
 
 /* Runs it to its end. STATUS_IO if it cannot be started or fails, with the last lines of its log. */
 enum status child_run(struct child *child) MUST_USE;
+
+/* Starts it; to be waited for by the caller. It dies with this process. */
+enum status child_start(const struct child *child, pid_t *started) MUST_USE;
 
 /* Reads a text file as a whole, to be freed. STATUS_IO, STATUS_NO_MEMORY. */
 enum status file_read(const char *path, char **text) MUST_USE;
