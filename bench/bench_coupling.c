@@ -129,7 +129,7 @@ static void plan(struct coupling_work *work)
 static double expected_s(const struct coupling_work *work, const struct coupling_point *point)
 {
     double exchange_s = point->scheme == SCHEME_ADAPTIVE ? 3e-6 : 3e-5 / point->n;
-    return 0.15 + work->reference_s + (double)work->steps * exchange_s;
+    return 0.8 + work->reference_s + (double)work->steps * exchange_s;
 }
 
 static double turn_s(const struct coupling_work *work)
@@ -227,6 +227,7 @@ static void plan_rounds(struct bench *bench, const struct coupling_work *work)
 static enum status run_all(struct bench *bench)
 {
     bench->start_s = clock_now_s();
+    bench->waited_s = 0;
     for (int w = 0; w < bench->n_works; w++)
         for (int k = 0; k < bench->work[w].n; k++)
             bench->planned += expected_s(&bench->work[w], &bench->work[w].point[k]) + turn_s(&bench->work[w]);

@@ -13,7 +13,8 @@
 
 enum { ARGUMENTS_MAX = 2 * TRIAL_OVERRIDES_MAX + 16, PATH_LENGTH = 1400 };
 static const char URL[] = "udpm://239.255.76.67:7667?ttl=0";
-static const double PATIENCE_S = 15; /* of recorder and wallctl for the END that sim has sent */
+static const double PATIENCE_S = 15; /* with the recorder, for the END that sim has sent */
+static const double REST_S = 0.5;    /* with what is left of a run that failed */
 
 /* A program of the run with what all of them are told. */
 struct program {
@@ -86,13 +87,6 @@ static void wait_for(struct program *program, double limit_s)
     }
 }
 
-static void end(struct program *program, double patience_s)
-{
-    if (!has_ended(program))
-        (void)kill(program->pid, SIGTERM);
-    wait_for(program, patience_s);
-}
-
 /* The last line of sim's log, without its name. */
 static void keep_message(struct trial *trial, const struct program *sim)
 {
@@ -135,10 +129,8 @@ static enum status over_bus(struct trial *trial, long long run_id)
     if (status == STATUS_OK)
         status = start(&sim);
     wait_for(&sim, trial->limit_s);
-    end(&wallctl, 1);
-    if (sim.exit_code == 0)
-        wait_for(&recorder, PATIENCE_S);
-    end(&recorder, PATIENCE_S);
+    wait_for(&wallctl, REST_S);
+    wait_for(&recorder, sim.exit_code == 0 ? PATIENCE_S : REST_S);
     TRY(status);
     keep_message(trial, &sim);
     return check_recorder(trial, &recorder);

@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# ./shakedown bench coupling on a scene of a second: what it reports, how it survives runs that fail, what it leaves.
+# test_bench_coupling.sh CASE; SHAKEDOWN_BIN: the build folder.
+set -uo pipefail
+root=$(readlink -f "${BASH_SOURCE[0]%/*}/..")
+scene=$root/tests/scenes/small.cfg
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mkdir "$work/tmp"
+export TMPDIR=$work/tmp
+
+fail() {
+    echo "$*"
+    exit 1
+}
+
+bench() { # OPTIONS...
+    "$root/bench/coupling.sh" "$@" >"$work/table" 2>"$work/progress"
+}
+
+nothing_left() {
+    [ -z "$(ls -A "$TMPDIR")" ] || fail "left behind: $(ls "$TMPDIR")"
+}
+
+case_report() {
+    bench --quick --scene "$scene" --json "$work/report.json" --plot "$work/plot.png" --lock "$work/lock" ||
+        fail "exit code $?: $(tail -n 5 "$work/progress")"
+    "$SHAKEDOWN_BIN/tests/test_bench_coupling" "$work/report.json" || fail "report: see above"
+    [ "$(head -c 4 "$work/plot.png" | tail -c 3)" = PNG ] || fail "no picture"
+    grep -q 'impedance 64 .* s left' "$work/progress" || fail "no progress: $(cat "$work/progress")"
+    grep -q 'hold 256 .*unstable: step' "$work/table" || fail "no word of the unstable run: $(cat "$work/table")"
+    nothing_left
+}
+
+# A sim that fails in every run over the bus: the bench says so of each, and ends well.
+case_failing_runs() {
+    local row
+    mkdir "$work/bin"
+    for row in bench recorder wallctl; do ln -s "$SHAKEDOWN_BIN/$row" "$work/bin/$row"; done
+    mkdir "$work/bin/sim"
+    cat >"$work/bin/sim/sim" <<SIM
+#!/bin/sh
+case " \$* " in *" --in-process "*) exec "$SHAKEDOWN_BIN/sim/sim" "\$@" ;; esac
+echo "sim: error: told to fail" >&2
+exit 8
+SIM
+    chmod +x "$work/bin/sim/sim"
+    SHAKEDOWN_BIN=$work/bin bench --quick --scene "$scene" --json "$work/report.json" ||
+        fail "exit code $?: $(tail -n 5 "$work/progress")"
+    [ "$(grep -c 'failed: told to fail' "$work/table")" -eq 23 ] || fail "$(cat "$work/table")"
+    nothing_left
+}
+
+case_usage() {
+    bench --nonsense
+    [ $? -eq 2 ] && grep -q 'unknown option --nonsense' "$work/progress" || fail "an unknown option"
+    bench --scene
+    [ $? -eq 2 ] && grep -q 'needs a value' "$work/progress" || fail "an option without its value"
+    bench --scene "$work/nothing.cfg"
+    [ $? -eq 2 ] && grep -q 'nothing.cfg' "$work/progress" || fail "no such scene: $(cat "$work/progress")"
+    nothing_left
+}
+
+"case_$1"
