@@ -1,6 +1,7 @@
-/* bench_coupling --bin DIR --scenes DIR --out DIR [--scene NAME|FILE] [--quick] [--json FILE] [--plot FILE] [--lock FILES]:
- * error against cost of the coupling schemes. The last stage of each scene goes from one prepared sample through sim,
- * wallctl and recorder over the bus, and beside it in one process with the exact loop, in turn (docs/coupling.md).
+/* bench_coupling --bin DIR --scenes DIR --out DIR [--scene NAME|FILE] [--quick] [--json FILE] [--plot FILE] [--lock
+ * FILES]: error against cost of the coupling schemes. The last stage of each scene goes from one prepared sample
+ * through sim, wallctl and recorder over the bus, and beside it in one process with the exact loop, in turn
+ * (docs/coupling.md).
  * --lock A:B holds these locks while runs are timed, so that other work on the machine can wait for it. */
 #include <errno.h>
 #include <fcntl.h>
@@ -69,9 +70,9 @@ struct bench {
     struct coupling_work work[4];
     int n_works;
     int lock[LOCKS_MAX], n_locks;
-    double lock_s;     /* when the locks were taken; 0: they are not */
-    double waited_s;   /* for them */
-    double start_s;    /* of the timed runs */
+    double lock_s;        /* when the locks were taken; 0: they are not */
+    double waited_s;      /* for them */
+    double start_s;       /* of the timed runs */
     double planned, done; /* seconds of runs, as planned */
 };
 
@@ -152,15 +153,15 @@ static enum status run_point(struct coupling_work *work, struct coupling_point *
     struct curve_errors errors;
     snprintf(folder, sizeof folder, "%s/point", work->folder);
     snprintf(run, sizeof run, "%s/run.h5", folder);
-    struct trial trial = {
-        .bin = work->options->bin, .scene = work->scene_path, .folder = folder, .limit_s = LIMIT_S};
+    struct trial trial = {.bin = work->options->bin, .scene = work->scene_path, .folder = folder, .limit_s = LIMIT_S};
     coupling_point_override(point, &trial, text);
     enum status status = trial_run(&trial);
     point->exit_code = trial.exit_code;
     snprintf(point->message, sizeof point->message, "%s", status == STATUS_OK ? trial.message : status_message());
     if (status == STATUS_OK && trial.exit_code == 0)
         status = curve_errors_measure(work->reference, run, &errors);
-    point->failed = status != STATUS_OK || (trial.exit_code != 0 && trial.exit_code != status_exit_code(STATUS_UNSTABLE));
+    point->failed =
+        status != STATUS_OK || (trial.exit_code != 0 && trial.exit_code != status_exit_code(STATUS_UNSTABLE));
     if (status != STATUS_OK)
         snprintf(point->message, sizeof point->message, "%s", status_message());
     point->ran = !point->failed && trial.exit_code == 0;
@@ -316,8 +317,8 @@ static enum status bench_coupling(const struct coupling_options *options)
     if (status == STATUS_OK)
         status = run_all(bench);
     unlock(bench);
-    json_t *report = json_pack("{s:b, s:i, s:[]}", "quick", options->quick, "cores",
-                               (int)sysconf(_SC_NPROCESSORS_ONLN), "cases");
+    json_t *report =
+        json_pack("{s:b, s:i, s:[]}", "quick", options->quick, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN), "cases");
     if (status == STATUS_OK)
         status = write_report(bench, report);
     json_decref(report);
@@ -331,13 +332,14 @@ int main(int argc, char **argv)
 {
     struct coupling_options options = {0};
     const struct command_line_option own[] = {
-        {"bin", &options.bin, NULL},   {"scenes", &options.scenes, NULL},  {"out", &options.out, NULL},
+        {"bin", &options.bin, NULL},    {"scenes", &options.scenes, NULL},  {"out", &options.out, NULL},
         {"scene", &options.only, NULL}, {"json", &options.json_path, NULL}, {"plot", &options.plot, NULL},
-        {"lock", &options.lock, NULL}, {"quick", NULL, &options.quick},    {NULL, NULL, NULL}};
+        {"lock", &options.lock, NULL},  {"quick", NULL, &options.quick},    {NULL, NULL, NULL}};
     struct command_line line;
     enum status status = command_line_parse(&line, argc, argv, own);
     if (status == STATUS_OK && (!options.bin || !options.scenes || !options.out || line.n_positional > 0))
-        status = status_fail(STATUS_USAGE, "--bin, --scenes and --out are needed; start it with ./shakedown bench coupling");
+        status =
+            status_fail(STATUS_USAGE, "--bin, --scenes and --out are needed; start it with ./shakedown bench coupling");
     if (status == STATUS_OK)
         status = bench_coupling(&options);
     return status_report("bench_coupling", status);

@@ -83,7 +83,8 @@ enum status coupling_prepare(struct coupling_work *work) MUST_USE;
 void coupling_free(struct coupling_work *work);
 
 /* Runs the exact loop in process; the errors against the first such run, which stays as the reference. */
-enum status coupling_run_reference(struct coupling_work *work, const char *folder, struct curve_errors *errors) MUST_USE;
+enum status coupling_run_reference(struct coupling_work *work, const char *folder,
+                                   struct curve_errors *errors) MUST_USE;
 
 /* Table on stdout, and the case as JSON. */
 json_t *coupling_report(const struct coupling_work *work);

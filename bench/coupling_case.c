@@ -101,11 +101,8 @@ static enum status run_exact(struct coupling_work *work, const char *name, const
     char folder[COUPLING_PATH_MAX + 16], run[COUPLING_PATH_MAX + 32], start[CONFIG_STRING_MAX + 32];
     snprintf(folder, sizeof folder, "%s/%s", work->folder, name);
     snprintf(run, sizeof run, "%s/run.h5", folder);
-    struct trial trial = {.bin = work->options->bin,
-                          .scene = work->scene_path,
-                          .folder = folder,
-                          .in_process = true,
-                          .limit_s = LIMIT_S};
+    struct trial trial = {
+        .bin = work->options->bin, .scene = work->scene_path, .folder = folder, .in_process = true, .limit_s = LIMIT_S};
     snprintf(start, sizeof start, "sample.checkpoint=\"%s\"", checkpoint);
     trial.override[trial.n_overrides++] = start;
     TRY(trial_run(&trial));

@@ -155,9 +155,9 @@ static json_t *run_case(const struct coupling_work *from, const struct hard_case
     printf("  %s: floor %.1e, position %.1e\n", at->title, floor.stress, floor.position);
     for (int s = 0; s < SCHEMES && status == STATUS_OK; s++)
         status = run_scheme(&work, schemes[s], from->options->quick, rows);
-    json_t *result = json_pack("{s:s, s:s, s:o, s:o, s:o}", "name", at->name, "title", at->title, "floor",
-                               coupling_number(floor.stress), "floor_position", coupling_number(floor.position), "rows",
-                               rows);
+    json_t *result =
+        json_pack("{s:s, s:s, s:o, s:o, s:o}", "name", at->name, "title", at->title, "floor",
+                  coupling_number(floor.stress), "floor_position", coupling_number(floor.position), "rows", rows);
     if (status != STATUS_OK) { /* a result, too */
         printf("    %s\n", status_message());
         json_object_set_new(result, "message", json_string(status_message()));

@@ -101,7 +101,8 @@ static void write_script(FILE *out, const json_t *cases, const char *path)
     {
         const char *measure = text_of(at, "measure");
         fprintf(out, "set ylabel '%s'\n",
-                strcmp(measure, "strain") == 0 ? "error of the strain over its range" : "relative L2 error of the stress");
+                strcmp(measure, "strain") == 0 ? "error of the strain over its range"
+                                               : "relative L2 error of the stress");
         write_panel(out, at, k);
     }
     fprintf(out, "unset multiplot\n");

@@ -110,9 +110,9 @@ static json_t *report_targets(const struct coupling_work *work)
         if (best)
             printf(" by %s, %.3f times at %.1e", name, ratio, coupling_error(work->at, &best->errors));
         printf("\n");
-        json_array_append_new(targets, json_pack("{s:f, s:f, s:b, s:s, s:o}", "error", target->error, "ratio",
-                                                 target->ratio, "met", met, "by", name, "time_ratio",
-                                                 coupling_number(ratio)));
+        json_array_append_new(targets,
+                              json_pack("{s:f, s:f, s:b, s:s, s:o}", "error", target->error, "ratio", target->ratio,
+                                        "met", met, "by", name, "time_ratio", coupling_number(ratio)));
     }
     return targets;
 }
@@ -125,8 +125,8 @@ json_t *coupling_report(const struct coupling_work *work)
     json_t *points = json_array();
     printf("\n%s: %" PRId64 " steps, in process %.2f s (%.2f us per step); what counts: %s\n", work->at->title,
            work->steps, work->reference_s, us, measure[work->at->measure]);
-    printf("  %-16s %7s %8s %9s %9s %9s %9s %9s %9s %9s %9s\n", "scheme", "time", "exchange", "stress", "early",
-           "peak", "position", "strain", "gain", "residual", "at wallct");
+    printf("  %-16s %7s %8s %9s %9s %9s %9s %9s %9s %9s %9s\n", "scheme", "time", "exchange", "stress", "early", "peak",
+           "position", "strain", "gain", "residual", "at wallct");
     printf("  %-16s %7s %8s", "floor", "", "");
     print_errors(&work->floor);
     printf("\n");
@@ -137,6 +137,6 @@ json_t *coupling_report(const struct coupling_work *work)
     return json_pack("{s:s, s:s, s:I, s:f, s:f, s:s, s:o, s:o, s:o, s:o}", "name", work->at->name, "title",
                      work->at->title, "steps", (json_int_t)work->steps, "in_process_s", work->reference_s,
                      "us_per_step", us, "measure", measure[work->at->measure], "floor",
-                     coupling_number(coupling_error(work->at, &work->floor)), "floor_errors",
-                     errors_json(&work->floor), "points", points, "targets", report_targets(work));
+                     coupling_number(coupling_error(work->at, &work->floor)), "floor_errors", errors_json(&work->floor),
+                     "points", points, "targets", report_targets(work));
 }

@@ -14,7 +14,8 @@ struct curve_errors {
     double position; /* largest difference of a box length over that length */
     double strain;   /* largest difference of a strain (lateral under strain control, eps_D in cycles) over its range */
     double gain;     /* difference of that strain at the end over what it is there */
-    double residual, controller_residual; /* interface residuals over the work of the walls at the end, 0 without work */
+    double residual,
+        controller_residual; /* interface residuals over the work of the walls at the end, 0 without work */
     double elapsed_s;
     int64_t steps, exchanges; /* exchanges: wall states that the run counts at its end, 0 if it has no END */
     bool complete;            /* the run ended well and has the samples of the reference */

@@ -9,8 +9,8 @@
 enum { TRIAL_OVERRIDES_MAX = 24 };
 
 struct trial {
-    const char *bin;   /* build folder */
-    const char *scene; /* file */
+    const char *bin;    /* build folder */
+    const char *scene;  /* file */
     const char *folder; /* made if need be; what it holds of an earlier trial is lost */
     const char *override[TRIAL_OVERRIDES_MAX];
     int n_overrides;

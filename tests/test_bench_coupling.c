@@ -98,8 +98,8 @@ static void errors_rise_with_the_interval(void **unused)
             double error = number(point, "error");
             print_message("%s %d: %g\n", schemes[s], interval[k], error);
             assert_true(error > before);
-            assert_int_equal((int)number(point, "exchanges"), (1000 + interval[k] - 1) / interval[k] + 1 +
-                                                                  (strcmp(schemes[s], "pipelined") == 0));
+            assert_int_equal((int)number(point, "exchanges"),
+                             (1000 + interval[k] - 1) / interval[k] + 1 + (strcmp(schemes[s], "pipelined") == 0));
             before = error;
         }
     }
