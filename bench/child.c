@@ -68,7 +68,8 @@ enum status child_run(struct child *child)
         if (errno != EINTR)
             return status_fail(STATUS_IO, "%s: %s", child->argv[0], strerror(errno));
     child->cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-    return WIFEXITED(state) && WEXITSTATUS(state) == 0 ? STATUS_OK : failed(child, state);
+    child->exit_code = WIFEXITED(state) ? WEXITSTATUS(state) : 128;
+    return child->exit_code == 0 ? STATUS_OK : failed(child, state);
 }
 
 enum status file_read(const char *path, char **text)

@@ -11,7 +11,8 @@ struct child {
     const char *log;         /* stdout and stderr go there */
     const char *variable;    /* environment: this one is set to `value`, NULL: none */
     const char *value;
-    double cpu_s; /* result: time in user mode and in the system */
+    double cpu_s;  /* result: time in user mode and in the system */
+    int exit_code; /* result: 128 if it was ended by a signal */
 };
 
 /* Runs it to its end. STATUS_IO if it cannot be started or fails, with the last lines of its log. */

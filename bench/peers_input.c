@@ -26,12 +26,12 @@ void peers_write_data(FILE *out, enum peer peer, const struct world *world)
     fprintf(out, "\nAtoms\n\n");
     for (int i = 0; i < p->count; i++) {
         double a = p->radius[i];
-        fprintf(out, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", i + 1, 2 * a, p->mass[i] / (4.0 / 3 * pi * a * a * a),
-                p->x[0][i], p->x[1][i], p->dimension == 3 ? p->x[2][i] : 0);
+        fprintf(out, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", p->id[i] + 1, 2 * a,
+                p->mass[i] / (4.0 / 3 * pi * a * a * a), p->x[0][i], p->x[1][i], p->dimension == 3 ? p->x[2][i] : 0);
     }
     fprintf(out, "\nVelocities\n\n");
     for (int i = 0; i < p->count; i++) {
-        fprintf(out, "%d %.17g %.17g %.17g", i + 1, p->v[0][i], p->v[1][i], p->dimension == 3 ? p->v[2][i] : 0);
+        fprintf(out, "%d %.17g %.17g %.17g", p->id[i] + 1, p->v[0][i], p->v[1][i], p->dimension == 3 ? p->v[2][i] : 0);
         for (int c = 0; c < 3; c++)
             fprintf(out, " %.17g", p->n_rotations == 3 ? p->omega[c][i] : 0);
         fprintf(out, "\n");
@@ -176,9 +176,9 @@ static void write_liggghts(FILE *out, const struct peer_input *in)
     fprintf(out, "pair_style gran model %s tangential %s %s\npair_coeff * *\n", model,
             in->frictional ? "history" : "no_history", options);
     write_lists(out, in);
-    for (int w = 0; w < 2 * in->dimension; w++) /* smooth: no tangential model */
-        fprintf(out, "fix wall%d all wall/gran model %s tangential off primitive type 1 %cplane %.17g %s\n", w, model,
-                'x' + w / 2, w % 2 ? in->hi[w / 2] : in->lo[w / 2], options);
+    for (int w = 0; w < 2 * in->dimension; w++) /* smooth */
+        fprintf(out, "fix wall%d all wall/gran model %s tangential %s primitive type 1 %cplane %.17g %s\n", w, model,
+                in->frictional ? "off" : "no_history", 'x' + w / 2, w % 2 ? in->hi[w / 2] : in->lo[w / 2], options);
     write_run(out, in);
 }
 

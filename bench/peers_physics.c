@@ -7,6 +7,7 @@
 #include "bench/child.h"
 #include "bench/peers_bench.h"
 #include "bench/peers_output.h"
+#include "bench/prepare.h"
 #include "sim/integrate.h"
 #include "sim/measure.h"
 
@@ -18,7 +19,8 @@ struct trial {
     enum peer peer;
     enum peer_law law;
     bool friction, damping, hysteretic;
-    long steps; /* 0: the forces of the state */
+    int precision; /* ours */
+    long steps;    /* 0: the forces of the state */
 };
 
 /* Friction so strong that nothing slides where forces are compared: without a spring yet, the three treat a slider
@@ -26,21 +28,23 @@ struct trial {
 static const double STICKY_MU = 100;
 
 static const struct trial TRIALS[] = {
-    {"forces, no friction", PEER_LAMMPS, PEER_GRANULAR, false, true, false, 0},
-    {"forces, no friction", PEER_LIGGGHTS, PEER_STIFFNESS, false, true, false, 0},
-    {"forces, Luding, first loading", PEER_LIGGGHTS, PEER_LUDING, false, false, true, 0},
-    {"forces, friction", PEER_LAMMPS, PEER_GRANULAR, true, true, false, 0},
-    {"forces, friction", PEER_LIGGGHTS, PEER_STIFFNESS, true, true, false, 0},
-    {"paths, no loss", PEER_LAMMPS, PEER_HOOKE, false, false, false, PATH_STEPS},
-    {"paths, no loss", PEER_LIGGGHTS, PEER_STIFFNESS, false, false, false, PATH_STEPS},
-    {"paths, friction and damping", PEER_LAMMPS, PEER_GRANULAR, true, true, false, PATH_STEPS},
-    {"paths, friction and damping", PEER_LIGGGHTS, PEER_STIFFNESS, true, true, false, PATH_STEPS},
+    {"forces, no friction", PEER_LAMMPS, PEER_GRANULAR, false, true, false, PRECISION_DOUBLE, 0},
+    {"forces, no friction", PEER_LIGGGHTS, PEER_STIFFNESS, false, true, false, PRECISION_DOUBLE, 0},
+    {"forces, Luding, first loading", PEER_LIGGGHTS, PEER_LUDING, false, false, true, PRECISION_DOUBLE, 0},
+    {"forces, friction", PEER_LAMMPS, PEER_GRANULAR, true, true, false, PRECISION_DOUBLE, 0},
+    {"forces, friction", PEER_LIGGGHTS, PEER_STIFFNESS, true, true, false, PRECISION_DOUBLE, 0},
+    {"forces, ours in mixed precision", PEER_LAMMPS, PEER_GRANULAR, true, true, false, PRECISION_MIXED, 0},
+    {"paths, no loss", PEER_LAMMPS, PEER_HOOKE, false, false, false, PRECISION_DOUBLE, PATH_STEPS},
+    {"paths, no loss", PEER_LIGGGHTS, PEER_STIFFNESS, false, false, false, PRECISION_DOUBLE, PATH_STEPS},
+    {"paths, friction and damping", PEER_LAMMPS, PEER_GRANULAR, true, true, false, PRECISION_DOUBLE, PATH_STEPS},
+    {"paths, friction and damping", PEER_LIGGGHTS, PEER_STIFFNESS, true, true, false, PRECISION_DOUBLE, PATH_STEPS},
 };
 
 /* The trial's law in the scene, walls that stay, no background. */
 static void set_law(struct scene *scene, const struct trial *trial, bool hysteretic)
 {
     struct scene_material *m = &scene->stage[0].material;
+    scene->precision = trial->precision;
     if (hysteretic && !trial->hysteretic) {
         m->law = LAW_LINEAR;
         m->kn_n_per_m = m->k1_n_per_m;
@@ -56,31 +60,21 @@ static void set_law(struct scene *scene, const struct trial *trial, bool hystere
         scene->stage[0].axis[k].mode = WALL_FIXED;
 }
 
-static void forget(struct contact_list *list)
-{
-    size_t size = (size_t)list->count * sizeof(double);
-    for (int c = 0; c < list->n_springs; c++)
-        memset(list->spring[c], 0, size);
-    if (list->hysteretic)
-        memset(list->history, 0, size);
-}
-
 /* No history, as the peers start without. No rotation: the peers' lever arms are shorter by half the overlap. speed:
  * 0 leaves the velocities; else they are those of a compression, unlike along the axes, with about this relative
  * velocity in contacts: all approach, as we let none pull and rub, and the peers do. */
-static void set_state(struct world *world, double speed)
+static enum status set_state(struct world *world, double speed)
 {
     static const double share[3] = {1, 0.6, 0.3};
     const double rate = speed / (2 * peers_mean_radius(world));
     struct particles *p = &world->particles;
-    forget(&world->pairs);
-    for (int w = 0; w < world->n_walls; w++)
-        forget(&world->walls[w].contacts);
+    TRY(prepare_forget(world));
     for (int c = 0; c < p->n_rotations; c++)
         memset(p->omega[c], 0, (size_t)p->count * sizeof(double));
     for (int c = 0; speed > 0 && c < p->dimension; c++)
         for (int i = 0; i < p->count; i++)
             p->v[c][i] = -share[c] * rate * (p->x[c][i] - 0.5 * (world->walls[2 * c].x + world->walls[2 * c + 1].x));
+    return STATUS_OK;
 }
 
 /* Its law, walls that stay. */
@@ -92,14 +86,14 @@ static enum status start_stage(struct world *world)
     return world_command(world, &command);
 }
 
-/* [3 count], components that the world lacks zero. */
+/* [3 count] by id, components that the world lacks zero. */
 static void positions_and_forces(const struct world *world, double *x, double *f)
 {
     const struct particles *p = &world->particles;
     for (int i = 0; i < p->count; i++)
         for (int c = 0; c < 3; c++) {
-            x[3 * i + c] = c < p->dimension ? p->x[c][i] : 0;
-            f[3 * i + c] = c < p->dimension ? p->a[c][i] * p->mass[i] : 0;
+            x[3 * p->id[i] + c] = c < p->dimension ? p->x[c][i] : 0;
+            f[3 * p->id[i] + c] = c < p->dimension ? p->a[c][i] * p->mass[i] : 0;
         }
 }
 
@@ -169,7 +163,7 @@ static enum status both(const struct trial *trial, const struct scene *scene, st
     TRY(start_stage(world));
     TRY(mean_contact_force(world, &states->mean_force));       /* of the prepared state */
     bool moves = trial->steps == 0 && m->gamma_n_kg_per_s > 0; /* damping adds about a tenth to the forces */
-    set_state(world, moves ? 0.1 * states->mean_force / m->gamma_n_kg_per_s : 0);
+    TRY(set_state(world, moves ? 0.1 * states->mean_force / m->gamma_n_kg_per_s : 0));
     TRY(run_peer(trial, scene, world, folder, states));
     integrate_forces_anew(world);
     positions_and_forces(world, states->start, states->ours_force);
@@ -191,7 +185,7 @@ static void report_trial(const struct trial *trial, const struct states *states,
         scale = peers_compare(states->ours, states->start, count).rms;
         d = peers_compare(states->ours, states->theirs, count);
     }
-    printf("  %-30s %-9s largest %8.1e   rms %8.1e   of %s %.3g %s\n", trial->name, peer, d.largest / scale,
+    printf("  %-32s %-9s largest %8.1e   rms %8.1e   of %s %.3g %s\n", trial->name, peer, d.largest / scale,
            d.rms / scale, trial->steps ? "the rms displacement" : "the mean contact force", scale,
            trial->steps ? "m" : "N");
     json_array_append_new(rows, json_pack("{s:s, s:s, s:f, s:f, s:f}", "what", trial->name, "peer", peer, "largest",

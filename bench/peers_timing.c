@@ -11,7 +11,7 @@
 #include "bench/prepare.h"
 #include "sim/kernels.h"
 
-enum { CONTESTANTS_MAX = 8, TUNE_STEPS = 500, WARM_UP = 50 };
+enum { CONTESTANTS_MAX = 12, TUNE_STEPS = 500, WARM_UP = 50 };
 
 /* Skin over the mean radius, and steps without a look at the lists. */
 static const double SKINS[] = {0.05, 0.15, 0.4};
@@ -20,6 +20,7 @@ static const int DELAYS[] = {0, 20};
 struct contestant {
     const char *name, *note;
     const char *isa; /* ours; NULL: a peer */
+    int precision;   /* ours */
     enum peer peer;
     enum peer_law law;
     bool walls_move;
@@ -31,6 +32,14 @@ struct contestant {
 static const struct contestant FRICTIONLESS[] = {
     {.name = "shakedown, AVX-512", .note = "hysteretic, cohesive, walls move", .isa = "avx512"},
     {.name = "shakedown, AVX2", .note = "hysteretic, cohesive, walls move", .isa = "avx2"},
+    {.name = "shakedown, AVX-512, mixed",
+     .note = "hysteretic, cohesive, walls move",
+     .isa = "avx512",
+     .precision = PRECISION_MIXED},
+    {.name = "shakedown, AVX2, mixed",
+     .note = "hysteretic, cohesive, walls move",
+     .isa = "avx2",
+     .precision = PRECISION_MIXED},
     {.name = "LAMMPS gran/hooke", .note = "linear, fixed walls", .peer = PEER_LAMMPS, .law = PEER_HOOKE},
     {.name = "LAMMPS granular", .note = "linear, fixed walls", .peer = PEER_LAMMPS, .law = PEER_GRANULAR},
     {.name = "LIGGGHTS hooke/stiffness", .note = "linear, fixed walls", .peer = PEER_LIGGGHTS, .law = PEER_STIFFNESS},
@@ -40,6 +49,11 @@ static const struct contestant FRICTIONLESS[] = {
 static const struct contestant FRICTIONAL[] = {
     {.name = "shakedown, AVX-512", .note = "friction, walls move", .isa = "avx512"},
     {.name = "shakedown, AVX2", .note = "friction, walls move", .isa = "avx2"},
+    {.name = "shakedown, AVX-512, mixed",
+     .note = "friction, walls move",
+     .isa = "avx512",
+     .precision = PRECISION_MIXED},
+    {.name = "shakedown, AVX2, mixed", .note = "friction, walls move", .isa = "avx2", .precision = PRECISION_MIXED},
     {.name = "LAMMPS gran/hooke/history", .note = "friction, fixed walls", .peer = PEER_LAMMPS, .law = PEER_HOOKE},
     {.name = "LAMMPS gran/hooke/history",
      .note = "friction, walls move",
@@ -70,12 +84,18 @@ static enum status read_time(const char *folder, const char *name, double *us)
 }
 
 /* The program itself, as users run it in process; no records, as the peers write none. */
-static enum status time_ours(const struct timing *timing, const char *isa, double *us)
+static enum status time_ours(const struct timing *timing, const struct contestant *c, double *us)
 {
     char log[1100];
     snprintf(log, sizeof log, "%s/ours.log", timing->work->folder);
-    const char *const argv[] = {timing->work->sim, timing->scene_path, "--in-process", "--progress", NULL};
-    struct child child = {.argv = argv, .log = log, .variable = "SHAKEDOWN_ISA", .value = isa};
+    const char *const argv[] = {timing->work->sim,
+                                timing->scene_path,
+                                "--in-process",
+                                "--progress",
+                                "--set",
+                                c->precision == PRECISION_MIXED ? "precision=\"mixed\"" : "precision=\"double\"",
+                                NULL};
+    struct child child = {.argv = argv, .log = log, .variable = "SHAKEDOWN_ISA", .value = c->isa};
     TRY(child_run(&child));
     return read_time(timing->work->folder, "ours", us);
 }
@@ -161,24 +181,60 @@ static int rising(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+static double median_of(const double *values, int count)
+{
+    double sorted[PEERS_REPS_MAX];
+    memcpy(sorted, values, (size_t)count * sizeof *values);
+    qsort(sorted, (size_t)count, sizeof *sorted, rising);
+    return 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]);
+}
+
+/* How many times as long as ours a contestant takes: the median over the turns, each with its own neighbours in time,
+ * as the machine's speed drifts. */
+static double times_ours(const struct contestant *c, const struct contestant *ours, int reps)
+{
+    double ratio[PEERS_REPS_MAX];
+    for (int r = 0; r < reps; r++)
+        ratio[r] = c->us[r] / ours->us[r];
+    return median_of(ratio, reps);
+}
+
+static void report_one(const struct timing *timing, const struct contestant *c, int reps, json_t *rows)
+{
+    json_t *times = json_array(), *ratios = json_object();
+    printf("  %-26s %-33s %8.2f %8.2f", c->name, c->note, c->least, c->median);
+    for (int k = 0; k < timing->n; k++) {
+        const struct contestant *ours = &timing->contestant[k];
+        if (!ours->isa)
+            continue;
+        printf(" %8.2f", times_ours(c, ours, reps));
+        json_object_set_new(ratios, ours->name, json_real(times_ours(c, ours, reps)));
+    }
+    if (!c->isa)
+        printf("   skin %g a, delay %d", c->skin_ratio, c->delay);
+    printf("\n");
+    for (int r = 0; r < reps; r++)
+        json_array_append_new(times, json_real(c->us[r]));
+    json_array_append_new(rows, json_pack("{s:s, s:s, s:f, s:f, s:o, s:f, s:i, s:o}", "name", c->name, "note", c->note,
+                                          "least_us", c->least, "median_us", c->median, "times_ours", ratios,
+                                          "skin_ratio", c->skin_ratio, "delay", c->delay, "us", times));
+}
+
 static void report_times(struct timing *timing, int reps, json_t *rows)
 {
-    const struct contestant *first = &timing->contestant[0];
-    printf("  %-26s %-33s %9s %9s   over %s\n", "us per step", "", "least", "median", first->isa);
+    printf("us per step, %d turns; times ours: median over the turns\n", reps);
+    printf("  %-26s %-33s %8s %8s", "", "", "least", "median");
+    for (int k = 0; k < timing->n; k++)
+        if (timing->contestant[k].isa)
+            printf(" %6s%s", timing->contestant[k].isa, timing->contestant[k].precision ? " m" : "  ");
+    printf("\n");
     for (int k = 0; k < timing->n; k++) {
         struct contestant *c = &timing->contestant[k];
-        char settings[64] = "";
-        if (!c->isa)
-            snprintf(settings, sizeof settings, "   skin %g a, delay %d", c->skin_ratio, c->delay);
-        printf("  %-26s %-33s %9.2f %9.2f   %6.2f %6.2f%s\n", c->name, c->note, c->least, c->median,
-               c->least / first->least, c->median / first->median, settings);
-        json_t *times = json_array();
-        for (int r = 0; r < reps; r++)
-            json_array_append_new(times, json_real(c->us[r]));
-        json_array_append_new(rows, json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:i, s:o}", "name", c->name, "note",
-                                              c->note, "least_us", c->least, "median_us", c->median, "ratio_least",
-                                              c->least / first->least, "ratio_median", c->median / first->median,
-                                              "skin_ratio", c->skin_ratio, "delay", c->delay, "us", times));
+        c->median = median_of(c->us, reps);
+        c->least = c->us[0];
+        for (int r = 1; r < reps; r++)
+            c->least = fmin(c->least, c->us[r]);
+        report_one(timing, c, reps, rows);
     }
 }
 
@@ -190,16 +246,8 @@ static enum status take_turns(struct timing *timing, int reps, json_t *rows)
     for (int r = 0; r < reps; r++)
         for (int k = 0; k < timing->n; k++) {
             struct contestant *c = &timing->contestant[k];
-            TRY(c->isa ? time_ours(timing, c->isa, &c->us[r])
-                       : time_peer(timing, c, timing->work->at->steps, &c->us[r]));
+            TRY(c->isa ? time_ours(timing, c, &c->us[r]) : time_peer(timing, c, timing->work->at->steps, &c->us[r]));
         }
-    for (int k = 0; k < timing->n; k++) {
-        double sorted[PEERS_REPS_MAX];
-        memcpy(sorted, timing->contestant[k].us, sizeof sorted);
-        qsort(sorted, (size_t)reps, sizeof *sorted, rising);
-        timing->contestant[k].least = sorted[0];
-        timing->contestant[k].median = sorted[reps / 2];
-    }
     report_times(timing, reps, rows);
     return STATUS_OK;
 }

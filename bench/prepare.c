@@ -45,6 +45,18 @@ static enum status keep(const struct scene *scene, const char *folder, const cha
     return STATUS_OK;
 }
 
+enum status prepare_forget(struct world *world)
+{
+    for (int l = 0; l <= world->n_walls; l++) {
+        struct contact_list *list = l == 0 ? &world->pairs : &world->walls[l - 1].contacts;
+        contact_list_read(list);
+        for (int k = 0; k < list->count; k++)
+            contact_list_clear(list, k);
+        TRY(contact_list_close(list, &world->particles));
+    }
+    return STATUS_OK;
+}
+
 enum status prepare_path(const char *file, char *checkpoint)
 {
     char *absolute = realpath(file, NULL);

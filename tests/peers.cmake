@@ -6,3 +6,8 @@ set_tests_properties(bench_peers PROPERTIES LABELS unit TIMEOUT 30)
 
 add_test(NAME bench_peers_missing COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_peers.sh)
 set_tests_properties(bench_peers_missing PROPERTIES LABELS unit TIMEOUT 30)
+
+add_executable(test_accuracy ${CMAKE_CURRENT_LIST_DIR}/test_accuracy.c)
+target_link_libraries(test_accuracy PRIVATE sim_fixture shakedown_bench)
+add_test(NAME bench_accuracy COMMAND test_accuracy)
+set_tests_properties(bench_accuracy PROPERTIES LABELS unit TIMEOUT 30)

@@ -278,6 +278,25 @@ static void last_stage_alone(void **state)
     assert_int_equal(remove(path), 0);
 }
 
+/* A pair that has been pressed and sheared knows nothing of it afterwards. */
+static void contacts_forget(void **state)
+{
+    (void)state;
+    struct fixture_options options = {
+        .dimension = 3,
+        .material = "law = \"hysteretic\"; k1_n_per_m = 1e3; k2_n_per_m = 2e3; mu_s = 0.5; kt_n_per_m = 1e2;",
+        .dt_s = 1e-7};
+    struct fixture f = fixture_pair(&options, 1e-5, 0.01);
+    f.world->particles.v[1][0] = 0.01;
+    fixture_steps(&f, 10);
+    assert_true(contact_list_history(&f.world->pairs, 0) > 0 && contact_list_spring(&f.world->pairs, 1, 0) != 0);
+    must(prepare_forget(f.world));
+    assert_true(contact_list_history(&f.world->pairs, 0) == 0);
+    for (int c = 0; c < 3; c++)
+        assert_true(contact_list_spring(&f.world->pairs, c, 0) == 0);
+    fixture_close(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -286,6 +305,7 @@ int main(void)
         cmocka_unit_test(time_of_the_last_loop),     cmocka_unit_test(logs_without_a_time_are_refused),
         cmocka_unit_test(dump_gives_the_last_state), cmocka_unit_test(broken_dumps_are_refused),
         cmocka_unit_test(difference_of_states),      cmocka_unit_test(last_stage_alone),
+        cmocka_unit_test(contacts_forget),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
