@@ -6,15 +6,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
-#include "common/bus.h"
+#include "bench/timing.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
 #include "sim/kernels.h"
 #include "sim/random.h"
 
-enum { BLOCKS = 40, REPEATS = 15, SIDE_2D = 45, SIDE_3D = 15 };
+enum { BLOCKS = 20, REPEATS = 15, SIDE_2D = 45, SIDE_3D = 15 };
 
 struct model {
     int dimension;
@@ -73,6 +72,11 @@ static const struct {
              {"kick", kick_part, PER_PARTICLE},
              {"advance", advance_part, PER_PARTICLE}};
 
+static struct kernels kernels_of(enum kernel_isa isa, struct model model)
+{
+    return kernels_select(isa, model.dimension, model.hysteretic, model.frictional, model.single);
+}
+
 static struct contact_law_constants law_of(struct model model)
 {
     struct scene_material m = {.law = model.hysteretic ? LAW_HYSTERETIC : LAW_LINEAR,
@@ -94,7 +98,7 @@ static enum status place(struct sample *s, struct random *random)
     TRY(particles_init(&s->p, dim == 2 ? side * side : side * side * side, dim, s->model.frictional, s->model.single));
     for (int i = 0; i < s->p.count; i++) {
         const int at[3] = {i % side, i / side % side, i / side / side};
-        s->p.radius[i] = (float)1e-3;
+        s->p.radius[i] = 1e-3;
         for (int c = 0; c < dim; c++) {
             s->p.x[c][i] = 1e-3 * (1 + 1.99 * at[c] + 0.01 * (random_uniform(random) - 0.5));
             s->p.v[c][i] = 0.01 * (random_uniform(random) - 0.5);
@@ -106,22 +110,23 @@ static enum status place(struct sample *s, struct random *random)
     return STATUS_OK;
 }
 
-static void history(struct contact_list *list, int k, struct random *random)
+/* Springs lie across the direction `along` of the pair, but for the disorder of the lattice. */
+static void history(struct contact_list *list, int k, int along, struct random *random)
 {
     contact_list_clear(list, k);
     if (list->hysteretic)
         list->history[k] = 2e-5 * random_uniform(random);
     for (int c = 0; c < list->n_springs; c++)
-        list->spring[c][k] = 2e-5 * (random_uniform(random) - 0.5);
+        list->spring[c][k] = c == along ? 0 : 2e-5 * (random_uniform(random) - 0.5);
 }
 
-static void add(struct contact_list *list, int i, int j, double reach, struct random *random)
+static void add(struct contact_list *list, int i, int j, int along, double reach, struct random *random)
 {
     int k = list->count++;
     list->i[k] = i;
     list->j[k] = j;
     list->reach[k] = reach;
-    history(list, k, random);
+    history(list, k, list->n_springs == 3 ? along : -1, random);
 }
 
 static enum status list_init(struct contact_list *list, const struct sample *s, int capacity)
@@ -140,10 +145,10 @@ static enum status connect(struct sample *s, struct random *random)
     s->wall.inward = 1;
     for (int i = 0; i < s->p.count; i++) {
         for (int c = 0, step = 1; c < dim; c++, step *= side)
-            if (i / step % side + 1 < side && random_uniform(random) < (dim == 2 ? 0.999 : 0.999))
-                add(&s->pairs, i, i + step, s->p.radius[i] + s->p.radius[i + step], random);
+            if (i / step % side + 1 < side && random_uniform(random) < 0.98)
+                add(&s->pairs, i, i + step, c, s->p.radius[i] + s->p.radius[i + step], random);
         if (i % side == 0)
-            add(&s->wall.contacts, i, s->p.count, s->p.radius[i], random);
+            add(&s->wall.contacts, i, s->p.count, 0, s->p.radius[i], random);
     }
     TRY(contact_list_close(&s->pairs, &s->p));
     return contact_list_close(&s->wall.contacts, &s->p);
@@ -167,69 +172,136 @@ static void sample_free(struct sample *s)
     contact_list_free(&s->wall.contacts);
 }
 
-static double cpu_now_s(void)
+/* What the pairs do to the particles: their accelerations, component after component. Room for 3 count. */
+static void accelerations(struct sample *s, const struct kernels *kernels, double *a)
 {
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    const struct kick_constants constants = {0};
+    drift_part(s, kernels);
+    (void)kernels->kick(&s->p, &constants); /* sums start from zero */
+    pair_part(s, kernels);
+    (void)kernels->kick(&s->p, &constants);
+    for (int c = 0; c < s->model.dimension; c++)
+        memcpy(a + c * s->p.count, s->p.a[c], (size_t)s->p.count * sizeof *a);
 }
 
-static int rising(const void *a, const void *b)
+/* Root of the mean square of the difference from the reference in double, over that of the reference. */
+static enum status error_of(struct model model, enum kernel_isa isa, double *error)
 {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* Least time of a call [ns]. */
-static double time_ns(struct sample *s, const struct kernels *kernels, part *run)
-{
-    double ns[BLOCKS];
-    for (int b = 0; b < BLOCKS; b++) {
-        double start = cpu_now_s();
-        for (int k = 0; k < REPEATS; k++)
-            run(s, kernels);
-        ns[b] = 1e9 * (cpu_now_s() - start) / REPEATS;
+    struct model exact = model;
+    struct sample s, reference = {0};
+    double off2 = 0, size2 = 0;
+    exact.single = false;
+    enum status status = sample_init(&s, model);
+    if (status == STATUS_OK)
+        status = sample_init(&reference, exact);
+    double *a = malloc((size_t)(6 * s.p.count) * sizeof *a), *b = a ? a + 3 * s.p.count : NULL;
+    if (!a)
+        status = status_fail(STATUS_NO_MEMORY, "out of memory");
+    if (status == STATUS_OK) {
+        struct kernels tested = kernels_of(isa, model), known = kernels_of(ISA_reference, exact);
+        accelerations(&s, &tested, a);
+        accelerations(&reference, &known, b);
+        for (int k = 0; k < model.dimension * s.p.count; k++) {
+            off2 += (a[k] - b[k]) * (a[k] - b[k]);
+            size2 += b[k] * b[k];
+        }
+        *error = sqrt(off2 / size2);
     }
-    qsort(ns, BLOCKS, sizeof *ns, rising);
-    return ns[0];
+    free(a);
+    sample_free(&s);
+    sample_free(&reference);
+    return status;
+}
+
+struct call {
+    struct sample *sample;
+    struct kernels kernels;
+    part *run;
+};
+
+static enum status call_part(void *user)
+{
+    struct call *call = user;
+    call->run(call->sample, &call->kernels);
+    return STATUS_OK;
+}
+
+static json_t *row(struct model model, enum kernel_isa isa, const char *kernel, double ns, double instructions,
+                   double error)
+{
+    return json_pack("{s:s, s:i, s:b, s:b, s:s, s:s, s:f, s:f, s:f}", "isa", kernel_isa_name(isa), "dimension",
+                     model.dimension, "hysteretic", model.hysteretic, "frictional", model.frictional, "precision",
+                     model.single ? "mixed" : "double", "kernel", kernel, "ns_each", ns, "instructions_each",
+                     instructions, "force_error", error);
+}
+
+static enum status measure_parts(struct sample *s, enum kernel_isa isa, double error, json_t *rows)
+{
+    struct call call = {.sample = s, .kernels = kernels_of(isa, s->model)};
+    const int n[] = {s->pairs.count, s->wall.contacts.count, s->p.count};
+    const int blocks = isa == ISA_reference ? 2 : BLOCKS, repeats = isa == ISA_reference ? 3 : REPEATS;
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
+        struct timing timing;
+        call.run = parts[k].run;
+        TRY(timing_take(call_part, &call, blocks, repeats, &timing));
+        const double each = n[parts[k].per], instructions = timing.instructions < 0 ? -1 : timing.instructions / each;
+        printf(" %7.2f", 1e3 * timing.least_us / each);
+        json_array_append_new(rows,
+                              row(s->model, isa, parts[k].name, 1e3 * timing.least_us / each, instructions, error));
+    }
+    return STATUS_OK;
 }
 
 static enum status measure_model(struct model model, enum kernel_isa isa, json_t *rows)
 {
-    struct kernels kernels = kernels_select(isa, model.dimension, model.hysteretic, model.frictional, model.single);
     struct sample s;
+    double error = 0;
+    TRY(error_of(model, isa, &error));
     enum status status = sample_init(&s, model);
     printf("%-10s %dD %-10s %-12s %-6s", kernel_isa_name(isa), model.dimension,
            model.hysteretic ? "hysteretic" : "linear", model.frictional ? "frictional" : "frictionless",
            model.single ? "mixed" : "double");
     if (status == STATUS_OK)
-        drift_part(&s, &kernels);
-    for (size_t k = 0; status == STATUS_OK && k < sizeof parts / sizeof *parts; k++) {
-        const int n[] = {s.pairs.count, s.wall.contacts.count, s.p.count};
-        double ns = time_ns(&s, &kernels, parts[k].run) / n[parts[k].per];
-        printf(" %s %6.2f", parts[k].name, ns);
-        json_array_append_new(rows,
-                              json_pack("{s:s, s:i, s:b, s:b, s:b, s:s, s:f}", "isa", kernel_isa_name(isa), "dimension",
-                                        model.dimension, "hysteretic", model.hysteretic, "frictional", model.frictional,
-                                        "mixed", model.single, "kernel", parts[k].name, "ns_each", ns));
-    }
-    printf("  %d sets for %d candidates\n", s.pairs.n_sets, s.pairs.count);
+        status = measure_parts(&s, isa, error, rows);
+    printf(" %9.1e\n", error);
     sample_free(&s);
     return status;
 }
 
+static enum status measure_all(json_t *rows)
+{
+    (void)timing_counts_instructions();
+    printf(
+        "ns per candidate (pair), wall contact (wall), particle (drift, kick, both: advance); error of the forces\n");
+    printf("%-45s", "");
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++)
+        printf(" %7s", parts[k].name);
+    printf(" %9s\n", "error");
+    for (int isa = 0; isa < ISA_COUNT; isa++) {
+        if (!kernel_isa_supported(isa)) {
+            printf("*** %s: THIS CPU CANNOT RUN IT, NOT MEASURED ***\n", kernel_isa_name(isa));
+            continue;
+        }
+        for (int m = 0; m < 16; m++)
+            TRY(measure_model((struct model){2 + m / 8, m / 4 % 2, m / 2 % 2, m % 2}, isa, rows));
+    }
+    return STATUS_OK;
+}
+
 int main(int argc, char **argv)
 {
-    (void)argc;
-    (void)argv;
+    const char *json_path = NULL;
+    const struct command_line_option own[] = {{"json", &json_path, NULL}, {NULL, NULL, NULL}};
+    struct command_line line;
     json_t *rows = json_array();
     floating_point_flush_subnormals();
-    enum status status = STATUS_OK;
-    int from = getenv("ALL") ? 0 : ISA_avx512;
-    for (int isa = from; isa < ISA_COUNT; isa++)
-        for (int m = 0; status == STATUS_OK && m < 16; m++)
-            if (getenv("ALL") || m == 4 || m == 5 || m == 10 || m == 11)
-                status = measure_model((struct model){2 + m / 8, m / 4 % 2, m / 2 % 2, m % 2}, isa, rows);
+    enum status status = command_line_parse(&line, argc, argv, own);
+    if (status == STATUS_OK && line.n_positional > 0)
+        status = status_fail(STATUS_USAGE, "usage: bench_kernels [--json FILE]");
+    if (status == STATUS_OK)
+        status = measure_all(rows);
+    if (status == STATUS_OK && json_path && json_dump_file(rows, json_path, JSON_INDENT(1)) != 0)
+        status = status_fail(STATUS_IO, "%s: cannot be written", json_path);
     json_decref(rows);
     return status_report("bench_kernels", status);
 }

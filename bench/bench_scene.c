@@ -1,36 +1,38 @@
-/* bench_scene SCENE [--set key=value]... [--json FILE]: microseconds per step of a scene's last stage and of each of
- * its parts, for every instruction set that the CPU can run, side by side in one run. The earlier stages are run first,
- * in process and without records. Of many short blocks the least and the median: the least is the machine undisturbed.
- */
+/* bench_scene SCENE --sim PROGRAM --out FOLDER [--set key=value]... [--json FILE]: microseconds per step of a scene's
+ * last stage and of each of its parts, for both precisions and every instruction set that the CPU can run, side by side
+ * in one run. The stages before are run once by the program `sim`; the sample stays in the folder. `step` is a whole
+ * step with its exchange, rebuilds of lists and ledger; `advance` is kick and drift in one pass, as steps have it. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/bus.h"
+#include "bench/prepare.h"
+#include "bench/timing.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
 #include "sim/measure.h"
 #include "sim/world.h"
 #include "wallctl/law.h"
 
-enum { BLOCKS = 40, STEPS_PER_BLOCK = 100, BUILDS_PER_BLOCK = 4, ENERGY_STEPS = 500 };
+enum { BLOCKS = 30, BLOCKS_OF_REFERENCE = 3, STEPS_PER_BLOCK = 50, BUILDS_PER_BLOCK = 4, ENERGY_STEPS = 500 };
+
+enum per { PER_PARTICLE, PER_CONTACT, PER_WALL_CONTACT, PER_COUNT };
+static const char *const per_name[] = {"particle", "contact", "wall contact"};
 
 struct bench {
     struct world *world;
     double kinetic_j, elastic_j; /* for the controller's conditions */
     int64_t energy_step;
-    bool finished;
-};
-
-struct timing {
-    double least_us, median_us;
+    int n[PER_COUNT];
+    json_t *rows;
 };
 
 /* Exchange with the law and one step, as `sim --in-process` with an interval of 1. */
-static enum status step(struct bench *bench)
+static enum status one_step(void *user)
 {
+    struct bench *bench = user;
     struct world *world = bench->world;
     struct wall_state state;
     struct wall_command command;
@@ -45,164 +47,183 @@ static enum status step(struct bench *bench)
     state.elastic_energy_j = bench->elastic_j;
     state.energy_step = bench->energy_step;
     TRY(wallctl_law(world->scene, &state, &command));
-    bench->finished = command.finished;
     if (command.finished)
-        return STATUS_OK;
+        return status_fail(STATUS_LIMIT, "the last stage is shorter than what is measured");
     TRY(world_command(world, &command));
     return world_step_open(world);
 }
 
-static enum status prepare(struct bench *bench)
-{
-    double start = clock_now_s(), shown = start;
-    const int last = (int)bench->world->scene->n_stages - 1;
-    while (!bench->finished && bench->world->stage < last) {
-        TRY(step(bench));
-        if (bench->world->step % 1024 != 0 || clock_now_s() - shown < 1)
-            continue;
-        shown = clock_now_s();
-        fprintf(stderr, "\rpreparing: stage %d of %d, %" PRId64 " steps, %.0f s ", bench->world->stage + 1, last,
-                bench->world->step, shown - start);
-    }
-    fprintf(stderr, "\n");
-    return STATUS_OK;
-}
-
-static enum status one_step(struct bench *bench)
-{
-    TRY(step(bench));
-    return bench->finished ? status_fail(STATUS_LIMIT, "the last stage is shorter than what is measured") : STATUS_OK;
-}
-
 /* The parts, each as often as wanted at one state: no time passes (dt = 0), so nothing changes. */
-static enum status one_pair(struct bench *bench)
+static struct world *at_rest(void *user)
 {
-    struct contact_losses losses = {0};
-    struct world *world = bench->world;
+    struct world *world = ((struct bench *)user)->world;
     world->law.dt = 0;
+    return world;
+}
+
+static enum status one_pair(void *user)
+{
+    struct world *world = at_rest(user);
+    struct contact_losses losses = {0};
     world->kernels.pair(&world->particles, &world->pairs, 0, world->pairs.n_sets, &world->law, world->particles.force,
                         &losses);
     return STATUS_OK;
 }
 
-static enum status one_walls(struct bench *bench)
+static enum status one_walls(void *user)
 {
+    struct world *world = at_rest(user);
     struct contact_losses losses = {0};
-    struct world *world = bench->world;
-    world->law.dt = 0;
     for (int w = 0; w < world->n_walls; w++)
         world->kernels.wall(&world->particles, &world->walls[w], &world->law, &losses);
     return STATUS_OK;
 }
 
-static enum status one_drift(struct bench *bench)
+static enum status one_advance(void *user)
 {
-    (void)bench->world->kernels.drift(&bench->world->particles, 0, INFINITY);
+    struct world *world = at_rest(user);
+    const struct kick_constants constants = {0};
+    double power_w;
+    (void)world->kernels.advance(&world->particles, &constants, 0, INFINITY, &power_w);
     return STATUS_OK;
 }
 
-static enum status one_kick(struct bench *bench)
+static enum status one_drift(void *user)
 {
-    struct kick_constants constants = {0};
-    (void)bench->world->kernels.kick(&bench->world->particles, &constants);
+    struct world *world = at_rest(user);
+    (void)world->kernels.drift(&world->particles, 0, INFINITY);
     return STATUS_OK;
 }
 
-static enum status one_build(struct bench *bench)
+static enum status one_kick(void *user)
 {
-    struct world *world = bench->world;
+    struct world *world = at_rest(user);
+    const struct kick_constants constants = {0};
+    (void)world->kernels.kick(&world->particles, &constants);
+    return STATUS_OK;
+}
+
+static enum status one_build(void *user)
+{
+    struct world *world = at_rest(user);
     return world_build_lists(world);
 }
 
-static int rising(const void *a, const void *b)
+static const struct part {
+    const char *name;
+    timed_part *run;
+    int repeats;
+    enum per per;
+} parts[] = {{"step", one_step, STEPS_PER_BLOCK, PER_PARTICLE},       {"pair", one_pair, STEPS_PER_BLOCK, PER_CONTACT},
+             {"walls", one_walls, STEPS_PER_BLOCK, PER_WALL_CONTACT}, {"advance", one_advance, STEPS_PER_BLOCK, 0},
+             {"drift", one_drift, STEPS_PER_BLOCK, PER_PARTICLE},     {"kick", one_kick, STEPS_PER_BLOCK, PER_PARTICLE},
+             {"build", one_build, BUILDS_PER_BLOCK, PER_PARTICLE}};
+
+static void report(struct bench *bench, const struct part *part, const struct timing *t, double step_us)
 {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+    const struct world *world = bench->world;
+    const char *precision = world->pairs.single ? "mixed" : "double", *isa = kernel_isa_name(world->isa);
+    double n = bench->n[part->per] ? bench->n[part->per] : 1, ns = 1e3 * t->least_us / n;
+    printf("%-6s %-9s %-7s %9.2f %9.2f %5.0f %% %9.2f ns per %-12s", precision, isa, part->name, t->least_us,
+           t->median_us, 100 * t->least_us / step_us, ns, per_name[part->per]);
+    if (t->instructions >= 0)
+        printf(" %7.1f instructions", t->instructions / n);
+    if (part == parts)
+        printf(" %.3g particle-steps/s", 1e9 / ns);
+    printf("\n");
+    json_array_append_new(bench->rows,
+                          json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:s, s:f, s:f}", "precision", precision, "isa", isa,
+                                    "part", part->name, "least_us", t->least_us, "median_us", t->median_us,
+                                    "share_of_step", t->least_us / step_us, "per", per_name[part->per], "ns_each", ns,
+                                    "instructions_each", t->instructions < 0 ? -1 : t->instructions / n));
 }
 
-static enum status time_it(struct bench *bench, enum status (*part)(struct bench *), int repeats, struct timing *timing)
+static enum status measure_isa(struct bench *bench, enum kernel_isa isa)
 {
-    double us[BLOCKS];
-    for (int b = 0; b < BLOCKS; b++) {
-        double start = clock_now_s();
-        for (int k = 0; k < repeats; k++)
-            TRY(part(bench));
-        us[b] = 1e6 * (clock_now_s() - start) / repeats;
-    }
-    qsort(us, BLOCKS, sizeof *us, rising);
-    *timing = (struct timing){us[0], us[BLOCKS / 2]};
-    return STATUS_OK;
-}
-
-static json_t *row(const char *isa, const char *name, const struct timing *t)
-{
-    printf("%-10s %-8s %10.2f %10.2f\n", isa, name, t->least_us, t->median_us);
-    return json_pack("{s:s, s:s, s:f, s:f}", "isa", isa, "part", name, "least_us", t->least_us, "median_us",
-                     t->median_us);
-}
-
-static enum status measure_isa(struct bench *bench, enum kernel_isa isa, json_t *rows)
-{
-    static const struct {
-        const char *name;
-        enum status (*part)(struct bench *);
-        int repeats;
-    } parts[] = {{"step", one_step, STEPS_PER_BLOCK},   {"pair", one_pair, STEPS_PER_BLOCK},
-                 {"walls", one_walls, STEPS_PER_BLOCK}, {"drift", one_drift, STEPS_PER_BLOCK},
-                 {"kick", one_kick, STEPS_PER_BLOCK},   {"build", one_build, BUILDS_PER_BLOCK}};
     struct world *world = bench->world;
+    const int blocks = isa == ISA_reference ? BLOCKS_OF_REFERENCE : BLOCKS;
+    double step_us = 0;
+    world->isa = isa;
     world->kernels = kernels_select(isa, world->particles.dimension, world->pairs.hysteretic,
                                     world->pairs.n_springs > 0, world->pairs.single);
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
         struct timing timing;
-        TRY(time_it(bench, parts[k].part, parts[k].repeats, &timing));
-        json_array_append_new(rows, row(kernel_isa_name(isa), parts[k].name, &timing));
+        TRY(timing_take(parts[k].run, bench, blocks, parts[k].repeats, &timing));
+        step_us = k == 0 ? timing.least_us : step_us;
+        report(bench, &parts[k], &timing, step_us);
+        if (k == 0)
+            world_settle(world);
     }
     return STATUS_OK;
 }
 
-static enum status report(struct bench *bench, const char *json_path)
+static void count(struct bench *bench)
 {
-    struct world *world = bench->world;
-    int contacts = measure_contacts(world, NULL), wall_candidates = 0;
-    json_t *rows = json_array();
+    const struct world *world = bench->world;
+    bench->n[PER_PARTICLE] = world->particles.count;
+    bench->n[PER_WALL_CONTACT] = 0;
     for (int w = 0; w < world->n_walls; w++)
-        wall_candidates += world->walls[w].contacts.count;
-    printf("%s: %d particles, %d contacts, %d candidates and %d at walls\n", world->scene->name, world->particles.count,
-           contacts, world->pairs.count, wall_candidates);
-    printf("%-10s %-8s %10s %10s\n", "kernels", "part", "least us", "median us");
-    for (int isa = 0; isa < ISA_COUNT; isa++) {
-        if (!kernel_isa_supported(isa))
-            printf("%-10s skipped: this CPU cannot run it\n", kernel_isa_name(isa));
+        bench->n[PER_WALL_CONTACT] += world->walls[w].contacts.count;
+    bench->n[PER_CONTACT] = world->pairs.count; /* candidates */
+    printf("%s: %d particles, %d contacts with walls, %d candidates between particles in %d slots, %d at walls\n",
+           world->scene->name, world->particles.count, measure_contacts(world, NULL), world->pairs.count,
+           world->pairs.n_sets * SET_WIDTH, bench->n[PER_WALL_CONTACT]);
+}
+
+/* A step first, so that the stage has begun and forces are known. */
+static enum status measure_precision(struct bench *bench, struct scene *scene, int precision)
+{
+    scene->precision = precision;
+    enum status status = world_create(&bench->world, scene);
+    if (status == STATUS_OK)
+        status = one_step(bench);
+    if (status == STATUS_OK)
+        count(bench);
+    for (int isa = 0; status == STATUS_OK && isa < ISA_COUNT; isa++) {
+        if (kernel_isa_supported(isa))
+            status = measure_isa(bench, isa);
         else
-            TRY(measure_isa(bench, isa, rows));
+            printf("*** %s: THIS CPU CANNOT RUN IT, NOT MEASURED ***\n", kernel_isa_name(isa));
     }
-    json_t *all =
-        json_pack("{s:s, s:i, s:i, s:i, s:o}", "scene", world->scene->name, "particles", world->particles.count,
-                  "contacts", contacts, "candidates", world->pairs.count, "rows", rows);
-    enum status status = STATUS_OK;
-    if (json_path && json_dump_file(all, json_path, JSON_INDENT(1)) != 0)
+    world_free(bench->world);
+    return status;
+}
+
+static enum status bench_scene(struct scene *scene, const char *json_path)
+{
+    struct bench bench = {.rows = json_array()};
+    bool counts = timing_counts_instructions();
+    printf("%-6s %-9s %-7s %9s %9s %7s\n", "", "kernels", "part", "least us", "median us", "of step");
+    enum status status = measure_precision(&bench, scene, PRECISION_DOUBLE);
+    if (status == STATUS_OK)
+        status = measure_precision(&bench, scene, PRECISION_MIXED);
+    json_t *all = json_pack("{s:s, s:i, s:i, s:b, s:o}", "scene", scene->name, "particles", bench.n[PER_PARTICLE],
+                            "candidates", bench.n[PER_CONTACT], "instructions_counted", counts, "rows", bench.rows);
+    if (status == STATUS_OK && json_path && json_dump_file(all, json_path, JSON_INDENT(1)) != 0)
         status = status_fail(STATUS_IO, "%s: cannot be written", json_path);
     json_decref(all);
     return status;
 }
 
-static enum status bench_scene(const struct command_line *line, const char *json_path)
+static enum status prepare_and_bench(const struct command_line *line, const char *sim, const char *folder,
+                                     const char *json_path)
 {
-    if (line->n_positional != 1)
-        return status_fail(STATUS_USAGE, "usage: bench_scene SCENE [--set key=value]... [--json FILE]");
+    char checkpoint[CONFIG_STRING_MAX];
+    if (line->n_positional != 1 || !sim || !folder)
+        return status_fail(STATUS_USAGE, "usage: bench_scene SCENE --sim PROGRAM --out FOLDER [--set key=value]... "
+                                         "[--json FILE]");
+    const char *path = line->positional[0];
+    TRY(prepare_sample(sim, path, line->override, line->n_overrides, folder, checkpoint));
     struct scene *scene = calloc(1, sizeof *scene);
-    struct bench bench = {0};
     if (!scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    enum status status = scene_load(scene, line->positional[0], line->override, line->n_overrides);
-    if (status == STATUS_OK)
-        status = world_create(&bench.world, scene);
-    if (status == STATUS_OK)
-        status = prepare(&bench);
-    if (status == STATUS_OK)
-        status = report(&bench, json_path);
-    world_free(bench.world);
+    enum status status = scene_load(scene, path, line->override, line->n_overrides);
+    if (status == STATUS_OK) {
+        prepare_stage(scene, (int)scene->n_stages - 1, checkpoint);
+        scene->coupling.scheme = SCHEME_HOLD;
+        scene->coupling.interval_steps = 1;
+        status = bench_scene(scene, json_path);
+    }
     scene_free(scene);
     free(scene);
     return status;
@@ -210,12 +231,13 @@ static enum status bench_scene(const struct command_line *line, const char *json
 
 int main(int argc, char **argv)
 {
-    const char *json_path = NULL;
-    const struct command_line_option own[] = {{"json", &json_path, NULL}, {NULL, NULL, NULL}};
+    const char *sim = NULL, *folder = NULL, *json_path = NULL;
+    const struct command_line_option own[] = {
+        {"sim", &sim, NULL}, {"out", &folder, NULL}, {"json", &json_path, NULL}, {NULL, NULL, NULL}};
     struct command_line line;
     floating_point_flush_subnormals();
     enum status status = command_line_parse(&line, argc, argv, own);
     if (status == STATUS_OK)
-        status = bench_scene(&line, json_path);
+        status = prepare_and_bench(&line, sim, folder, json_path);
     return status_report("bench_scene", status);
 }

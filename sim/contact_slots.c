@@ -154,9 +154,11 @@ static enum status slots_reserve(struct contact_list *list)
 {
     struct contact_slots *slots = &list->slots;
     const size_t real = list->single ? sizeof(float) : sizeof(double);
-    if (list->n_sets <= slots->capacity)
+    const int read_ahead = 2; /* by the pair kernels */
+    if (list->n_sets + read_ahead <= slots->capacity)
         return STATUS_OK;
-    size_t sets = (size_t)list->n_sets + (size_t)list->n_sets / 8, size = sets * SET_WIDTH;
+    size_t sets = (size_t)list->n_sets + (size_t)list->n_sets / 8 + (size_t)read_ahead;
+    size_t size = sets * SET_WIDTH;
     TRY(array_resize(&slots->first, sizeof *slots->first, sets, 0));
     TRY(array_resize(&slots->row, sizeof *slots->row, size, 0));
     TRY(array_resize(&slots->reach2, sizeof *slots->reach2, size, 0));

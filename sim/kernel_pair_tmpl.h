@@ -6,8 +6,13 @@ struct NAME(approach) {
 #if SINGLE
     real gap, reach; /* reach^2 - d^2, from double; reach */
 #else
-    real d2, seed; /* squared distance, first guess of its inverse root */
+    real d2; /* squared distance */
 #endif
+};
+
+/* The same with normal and overlap. */
+struct NAME(meeting) {
+    real n[DIM], g[DIM], w[3], spin[3], delta;
 };
 
 /* Records of LANES particles: position against `from`, [DIM][PARTS], velocity and rotation. */
@@ -100,7 +105,6 @@ LANES_INLINE struct NAME(approach)
 #if DIM == 3
     to.d2 = f64_fma(to.d[2], to.d[2], to.d2);
 #endif
-    to.seed = f64_rsqrt_seed(to.d2);
 #endif
 #if FRICTIONAL
 #if SINGLE
@@ -161,24 +165,40 @@ LANES_INLINE void NAME(state_store)(const struct contact_slots *slots, size_t k,
 #endif
 }
 
-/* Second part: the law. Changes and stores the contacts' state. */
-LANES_INLINE struct NAME(contact_result)
-    NAME(act)(const struct NAME(approach) * from, const struct NAME(law) * law, const struct contact_slots *slots,
-              size_t k, struct NAME(sums) * sums)
+/* Second part: roots and divisions. */
+LANES_INLINE struct NAME(meeting)
+    NAME(meet)(const struct NAME(approach) * from, const struct contact_slots *slots, size_t k)
 {
+    struct NAME(meeting) to;
 #if SINGLE
     /* delta = (reach^2 - d^2)/(reach + d): only the difference needs double */
     real d2 = real_fma(from->reach, from->reach, -from->gap), distance = f32_sqrt(d2), sum = from->reach + distance;
-    real both = real_all(1.0) / (distance * sum), delta = from->gap * (both * distance), inverse = both * sum;
+    real both = real_all(1.0) / (distance * sum), inverse = both * sum;
+    to.delta = from->gap * (both * distance);
+    (void)slots;
+    (void)k;
 #else
-    real inverse = lanes_rsqrt(from->d2, from->seed), distance = from->d2 * inverse;
-    real delta = real_load((const scalar *)slots->reach + k) - distance;
+    real inverse = lanes_rsqrt(from->d2, f64_rsqrt_seed(from->d2)), distance = from->d2 * inverse;
+    to.delta = real_load((const scalar *)slots->reach + k) - distance;
 #endif
-    real n[DIM];
-    for (int c = 0; c < DIM; c++)
-        n[c] = from->d[c] * inverse;
+    for (int c = 0; c < DIM; c++) {
+        to.n[c] = from->d[c] * inverse;
+        to.g[c] = from->g[c];
+    }
+    for (int c = 0; c < 3; c++) {
+        to.w[c] = from->w[c];
+        to.spin[c] = from->spin[c];
+    }
+    return to;
+}
+
+/* Third part: the law. Changes and stores the contacts' state. */
+LANES_INLINE struct NAME(contact_result)
+    NAME(act)(const struct NAME(meeting) * at, const struct NAME(law) * law, const struct contact_slots *slots,
+              size_t k, struct NAME(sums) * sums)
+{
     struct NAME(contact_state) state = NAME(state_load)(slots, k);
-    struct NAME(contact_result) result = NAME(contact)(law, delta, n, from->g, from->w, from->spin, &state, sums);
+    struct NAME(contact_result) result = NAME(contact)(law, at->delta, at->n, at->g, at->w, at->spin, &state, sums);
     NAME(state_store)(slots, k, &state);
     return result;
 }
@@ -209,7 +229,7 @@ LANES_INLINE void NAME(add_rows)(void *force, const uint32_t *row, const struct 
 #endif
 }
 
-/* Third part: sums of the particles j, and of i, which are side by side. own: column of force 0, `rows` from one to the
+/* Last part: sums of the particles j, and of i, which are side by side. own: column of force 0, `rows` from one to the
  * next. */
 LANES_INLINE void NAME(add_pair)(void *force, scalar *own, int rows, const struct contact_slots *slots, size_t k,
                                  const struct NAME(contact_result) * result)
@@ -225,8 +245,8 @@ LANES_INLINE void NAME(add_pair)(void *force, scalar *own, int rows, const struc
 }
 
 /* The sets of contacts are independent but for the sums, and each is one long chain of operations. The chain is cut in
- * three that run at a time: while set k is acted on, set k + 1 is approached and set k - 1 added up. The approach
- * behind the last set reads what padding there is (ARRAY_PADDING) and is not used. */
+ * four that run at a time: while set k is acted on, roots are drawn for set k + 1, set k + 2 is approached, and set
+ * k - 1 added up. What is read behind the last set is room for more, and is not used. */
 static void NAME(pair)(const struct particles *p, struct contact_list *pairs, int first, int last,
                        const struct contact_law_constants *constants, void *force, struct contact_losses *losses)
 {
@@ -239,11 +259,14 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
     scalar *own = (scalar *)((char *)force + PARTICLES_OWN_OFFSET(rows, DIM, FRICTIONAL, SINGLE));
     if (start >= end)
         return;
-    struct NAME(approach) next = NAME(approach)(p, &slots, start);
+    struct NAME(approach) near = NAME(approach)(p, &slots, start);
+    struct NAME(meeting) next = NAME(meet)(&near, &slots, start);
     struct NAME(contact_result) done = {0};
+    near = NAME(approach)(p, &slots, start + LANES);
     for (size_t k = start; k < end; k += LANES) {
-        struct NAME(approach) now = next;
-        next = NAME(approach)(p, &slots, k + LANES);
+        struct NAME(meeting) now = next;
+        next = NAME(meet)(&near, &slots, k + LANES);
+        near = NAME(approach)(p, &slots, k + 2 * LANES);
         struct NAME(contact_result) result = NAME(act)(&now, &law, &slots, k, &sums);
         if (k > start)
             NAME(add_pair)(force, own, rows, &slots, k - LANES, &done);
