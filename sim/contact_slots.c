@@ -154,7 +154,7 @@ static enum status slots_reserve(struct contact_list *list)
 {
     struct contact_slots *slots = &list->slots;
     const size_t real = list->single ? sizeof(float) : sizeof(double);
-    const int read_ahead = 2; /* by the pair kernels */
+    const int read_ahead = 3; /* by the pair kernels */
     if (list->n_sets + read_ahead <= slots->capacity)
         return STATUS_OK;
     size_t sets = (size_t)list->n_sets + (size_t)list->n_sets / 8 + (size_t)read_ahead;

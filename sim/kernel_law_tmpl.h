@@ -40,10 +40,21 @@ LANES_INLINE struct NAME(law) NAME(law_of)(const struct contact_law_constants *l
                               .branch_ratio = (scalar)law->branch_ratio};
 }
 
-/* What one set of contacts needs beyond geometry; changes in place. rest: what rounding left out of the spring, so that
- * slow motion, less than a unit of its last place in a step, is not lost (Kahan's sum); float only. */
-struct NAME(contact_state) {
-    real history, spring[3], rest[3], sliding; /* sliding: 1 or 0 */
+/* What the contacts of a list remember, LANES of them from here on; changed in place. rest: what rounding left out of
+ * the spring, so that slow motion, less than a unit of its last place in a step, is not lost (Kahan's sum); float only.
+ */
+struct NAME(memory) {
+    scalar *history, *spring[3], *rest[3], *sliding; /* sliding: 1 or 0 */
+};
+
+/* The first half of the law: what acts along the normal, and the test force of friction. */
+struct NAME(touch) {
+    real_mask active;
+    real n[DIM], pressing; /* force along n on j */
+#if FRICTIONAL
+    real limit, length2, pull2;
+    real vt[SPRINGS], pull[SPRINGS], turned[SPRINGS]; /* the spring today; single: its change */
+#endif
 };
 
 /* Force on j (reversed: on i), and moment n x f_t, alike for both. */
@@ -122,68 +133,78 @@ LANES_INLINE real NAME(ratio)(real to, real square)
 #endif
 }
 
-/* Tangential part. n: normal, g: relative velocity of the centres, u = g.n, w: a_i omega_i + a_j omega_j, spin:
- * omega_i + omega_j, normal_force and delta set the limit. Adds to force, moment and losses.
- * pull = kt xi + gamma_t v_t is the reversed test force; a sliding contact keeps `factor` of it, and its spring slips
- * by q pull, q = (1 - factor)/kt, so that the law holds with the spring that is left. q = 0: it sticks. */
-LANES_INLINE void NAME(tangential)(const struct NAME(law) * law, real_mask active, real delta, real normal_force,
-                                   const real *n, const real *g, real u, const real *w, const real *spin,
-                                   struct NAME(contact_state) * state, struct NAME(contact_result) * result,
-                                   struct NAME(sums) * sums)
+/* Test force. n: normal, g: relative velocity of the centres, u = g.n, w: a_i omega_i + a_j omega_j, spin: omega_i +
+ * omega_j. pull = kt xi + gamma_t v_t is the reversed test force. */
+LANES_INLINE void NAME(test_force)(const struct NAME(law) * law, const real *n, const real *g, real u, const real *w,
+                                   const real *spin, const struct NAME(memory) * memory, struct NAME(touch) * touch)
 {
-    const real zero = real_all(0.0), one = real_all(1.0), dt = real_all(law->dt), half = real_all(0.5) * dt;
-    const real kt = real_all(law->kt), gamma_t = real_all(law->gamma_t);
-    real vt[SPRINGS], before[SPRINGS], pull[SPRINGS], length2 = NAME(dot)(state->spring, state->spring);
+    const real half = real_all(0.5) * real_all(law->dt), kt = real_all(law->kt), gamma_t = real_all(law->gamma_t);
+    real spring[SPRINGS], now[SPRINGS];
+    for (int c = 0; c < SPRINGS; c++)
+        spring[c] = real_load(memory->spring[c]);
+    touch->length2 = NAME(dot)(spring, spring);
 #if DIM == 2
     /* tangent (-n1, n0); the spring is a number along it, so a rotating pair carries it along by itself */
     (void)u;
     (void)spin;
-    vt[0] = real_fma(g[1], n[0], real_fma(-g[0], n[1], -w[0]));
-    before[0] = state->spring[0];
+    touch->vt[0] = real_fma(g[1], n[0], real_fma(-g[0], n[1], -w[0]));
+    touch->turned[0] = now[0] = spring[0];
 #else
     for (int c = 0; c < 3; c++) { /* g + n x w - u n */
         int d = (c + 1) % 3, e = (c + 2) % 3;
-        vt[c] = real_fma(n[d], w[e], real_fma(-n[e], w[d], real_fma(-u, n[c], g[c])));
+        touch->vt[c] = real_fma(n[d], w[e], real_fma(-n[e], w[d], real_fma(-u, n[c], g[c])));
     }
+    NAME(turn)(n, half * NAME(dot)(spin, n), spring, touch->length2, touch->turned);
+    for (int c = 0; c < 3; c++) {
+        now[c] = touch->turned[c];
 #if SINGLE
-    real turn[3];
-    NAME(turn)(n, half * NAME(dot)(spin, n), state->spring, length2, turn);
-    for (int c = 0; c < 3; c++)
-        before[c] = state->spring[c] + turn[c];
-#else
-    NAME(turn)(n, half * NAME(dot)(spin, n), state->spring, length2, before);
+        now[c] = now[c] + spring[c];
 #endif
+    }
 #endif
     for (int c = 0; c < SPRINGS; c++)
-        pull[c] = real_fma(kt, real_fma(half, vt[c], before[c]), gamma_t * vt[c]);
-    real pull2 = NAME(dot)(pull, pull), power = NAME(dot)(pull, vt), vt2 = NAME(dot)(vt, vt);
-    /* friction is limited by the normal force above the adhesion branch, never below 0 (docs/theory.md) */
-    real limit = real_larger(zero, real_fma(real_all(law->kc), delta, normal_force));
-    real bound = limit * real_select(real_greater(state->sliding, zero), real_all(law->mu_d), real_all(law->mu_s));
+        touch->pull[c] = real_fma(kt, real_fma(half, touch->vt[c], now[c]), gamma_t * touch->vt[c]);
+    touch->pull2 = NAME(dot)(touch->pull, touch->pull);
+}
+
+/* Friction, with the limit of `touch`: adds to the force, sets moment, spring and losses. A sliding contact keeps
+ * `factor` of the test force, and its spring slips by q pull, q = (1 - factor)/kt, so that the law holds with the
+ * spring that is left. q = 0: it sticks. */
+LANES_INLINE void NAME(friction)(const struct NAME(law) * law, const struct NAME(touch) * touch,
+                                 const struct NAME(memory) * memory, struct NAME(contact_result) * result,
+                                 struct NAME(sums) * sums)
+{
+    const real zero = real_all(0.0), one = real_all(1.0), dt = real_all(law->dt), half = real_all(0.5) * dt;
+    const real kt = real_all(law->kt), limit = touch->limit, pull2 = touch->pull2, *n = touch->n;
+    const real_mask active = touch->active;
+    real power = NAME(dot)(touch->pull, touch->vt), vt2 = NAME(dot)(touch->vt, touch->vt), pull[SPRINGS];
+    real slid = real_load(memory->sliding);
+    real bound = limit * real_select(real_greater(slid, zero), real_all(law->mu_d), real_all(law->mu_s));
     /* N^2; keeps the root finite */
     real reduced = NAME(ratio)(real_all(law->mu_d) * limit, real_larger(pull2, real_all(1e-30)));
     real_mask slides = real_and(active, real_greater(pull2, bound * bound));
     real factor = real_select(slides, reduced, one);
     real q = (one - factor) * real_all(law->inv_kt), kept = real_select(active, factor, zero);
-    state->sliding = real_select(slides, one, zero);
+    real_store(memory->sliding, real_select(slides, one, zero));
     sums->tangential = sums->tangential + real_select(active, real_fma(dt, vt2, -q * power), zero);
     /* with the mean of the spring over the step, the ledger closes in second order, jumps of the spring included; an
      * opening contact loses what its spring held */
     real friction = q * real_fma(pull2, real_fma(real_all(-0.5) * kt, q, one), -kt * half * power);
-    sums->friction = sums->friction + real_select(active, friction, real_all(0.5) * kt * length2);
+    sums->friction = sums->friction + real_select(active, friction, real_all(0.5) * kt * touch->length2);
     for (int c = 0; c < SPRINGS; c++) {
 #if SINGLE
-        real change = real_fma(-q, pull[c], real_fma(dt, vt[c], state->rest[c]));
+        real spring = real_load(memory->spring[c]);
+        real change = real_fma(-q, touch->pull[c], real_fma(dt, touch->vt[c], real_load(memory->rest[c])));
 #if DIM == 3
-        change = change + turn[c];
+        change = change + touch->turned[c];
 #endif
-        real after = state->spring[c] + change;
-        state->rest[c] = real_select(active, change - (after - state->spring[c]), zero);
-        state->spring[c] = real_select(active, after, zero);
+        real after = spring + change;
+        real_store(memory->rest[c], real_select(active, change - (after - spring), zero));
 #else
-        state->spring[c] = real_select(active, real_fma(-q, pull[c], real_fma(dt, vt[c], before[c])), zero);
+        real after = real_fma(-q, touch->pull[c], real_fma(dt, touch->vt[c], touch->turned[c]));
 #endif
-        pull[c] = kept * pull[c]; /* now the tangential force on j */
+        real_store(memory->spring[c], real_select(active, after, zero));
+        pull[c] = kept * touch->pull[c]; /* the tangential force on j */
     }
 #if DIM == 2
     result->force[0] = real_fma(-pull[0], n[1], result->force[0]);
@@ -198,14 +219,14 @@ LANES_INLINE void NAME(tangential)(const struct NAME(law) * law, real_mask activ
 }
 #endif
 
-/* One set of contacts: geometry and velocities in, forces out. Arguments as of `tangential`. */
-LANES_INLINE struct NAME(contact_result)
-    NAME(contact)(const struct NAME(law) * law, real delta, const real *n, const real *g, const real *w,
-                  const real *spin, struct NAME(contact_state) * state, struct NAME(sums) * sums)
+/* First half of the law for one set of contacts: overlap, normal and velocities in. Arguments as of `test_force`. */
+LANES_INLINE struct NAME(touch)
+    NAME(touch)(const struct NAME(law) * law, real delta, const real *n, const real *g, const real *w, const real *spin,
+                const struct NAME(memory) * memory, struct NAME(sums) * sums)
 {
-    struct NAME(contact_result) result;
+    struct NAME(touch) touch;
     const real zero = real_all(0.0), gamma_n = real_all(law->gamma_n);
-    real_mask active = real_greater(delta, zero);
+    touch.active = real_greater(delta, zero);
     real u = real_fma(g[1], n[1], g[0] * n[0]);
 #if DIM == 3
     u = real_fma(g[2], n[2], u);
@@ -213,30 +234,50 @@ LANES_INLINE struct NAME(contact_result)
     real loading = real_all(law->k1) * delta;
 #if HYSTERETIC
     /* [LH eq. 1.6]: loading k1 delta, un- and reloading k2 (delta - delta_0), adhesion branch -kc delta */
-    real unloading = real_fma(real_all(law->k2), delta, -real_all(law->k2_minus_k1) * state->history);
+    real history = real_load(memory->history);
+    real unloading = real_fma(real_all(law->k2), delta, -real_all(law->k2_minus_k1) * history);
     real adhesion = -real_all(law->kc) * delta;
     real elastic = real_larger(adhesion, real_smaller(loading, unloading));
-    real moved = real_select(real_at_least(adhesion, unloading), real_all(law->branch_ratio) * delta, state->history);
+    real moved = real_select(real_at_least(adhesion, unloading), real_all(law->branch_ratio) * delta, history);
     real after = real_select(real_at_least(unloading, loading), delta, moved);
-    after = real_select(active, after, zero);
-    real change = (after - state->history) * (after + state->history);
+    after = real_select(touch.active, after, zero);
+    real change = (after - history) * (after + history);
     sums->rise = sums->rise + real_larger(change, zero);
     sums->fall = sums->fall + real_smaller(change, zero);
-    state->history = after;
+    real_store(memory->history, after);
 #else
     real elastic = loading;
 #endif
-    real pressing = real_fma(gamma_n, u, -elastic); /* on j */
-    sums->normal = sums->normal + real_select(active, u * u, zero);
-    real acting = real_select(active, pressing, zero);
+    real pressing = real_fma(gamma_n, u, -elastic);
+    sums->normal = sums->normal + real_select(touch.active, u * u, zero);
+    touch.pressing = real_select(touch.active, pressing, zero);
     for (int c = 0; c < DIM; c++)
-        result.force[c] = acting * n[c];
+        touch.n[c] = n[c];
 #if FRICTIONAL
-    NAME(tangential)(law, active, delta, -pressing, n, g, u, w, spin, state, &result, sums);
+    /* friction is limited by the normal force above the adhesion branch, never below 0 (docs/theory.md) */
+    touch.limit = real_larger(zero, real_fma(real_all(law->kc), delta, -pressing));
+    NAME(test_force)(law, n, g, u, w, spin, memory, &touch);
 #else
     (void)w;
     (void)spin;
-    (void)state;
+    (void)memory;
+#endif
+    return touch;
+}
+
+/* Second half: forces. */
+LANES_INLINE struct NAME(contact_result) NAME(force)(const struct NAME(law) * law, const struct NAME(touch) * touch,
+                                                     const struct NAME(memory) * memory, struct NAME(sums) * sums)
+{
+    struct NAME(contact_result) result;
+    for (int c = 0; c < DIM; c++)
+        result.force[c] = touch->pressing * touch->n[c];
+#if FRICTIONAL
+    NAME(friction)(law, touch, memory, &result, sums);
+#else
+    (void)law;
+    (void)memory;
+    (void)sums;
 #endif
     return result;
 }

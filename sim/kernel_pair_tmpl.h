@@ -125,44 +125,22 @@ LANES_INLINE struct NAME(approach)
     return to;
 }
 
-LANES_INLINE struct NAME(contact_state) NAME(state_load)(const struct contact_slots *slots, size_t k)
+LANES_INLINE struct NAME(memory) NAME(memory_at)(const struct contact_slots *slots, size_t k)
 {
-    struct NAME(contact_state) state = {0};
+    struct NAME(memory) memory = {0};
     (void)slots;
     (void)k;
 #if HYSTERETIC
-    state.history = real_load((const scalar *)slots->history + k);
+    memory.history = (scalar *)slots->history + k;
 #endif
 #if FRICTIONAL
-    state.sliding = real_load((const scalar *)slots->sliding + k);
+    memory.sliding = (scalar *)slots->sliding + k;
     for (int c = 0; c < SPRINGS; c++) {
-        state.spring[c] = real_load((const scalar *)slots->spring[c] + k);
-#if SINGLE
-        state.rest[c] = real_load((const scalar *)slots->rest[c] + k);
-#endif
+        memory.spring[c] = (scalar *)slots->spring[c] + k;
+        memory.rest[c] = (scalar *)slots->rest[c] + k;
     }
 #endif
-    return state;
-}
-
-LANES_INLINE void NAME(state_store)(const struct contact_slots *slots, size_t k,
-                                    const struct NAME(contact_state) * state)
-{
-    (void)slots;
-    (void)k;
-    (void)state;
-#if HYSTERETIC
-    real_store((scalar *)slots->history + k, state->history);
-#endif
-#if FRICTIONAL
-    real_store((scalar *)slots->sliding + k, state->sliding);
-    for (int c = 0; c < SPRINGS; c++) {
-        real_store((scalar *)slots->spring[c] + k, state->spring[c]);
-#if SINGLE
-        real_store((scalar *)slots->rest[c] + k, state->rest[c]);
-#endif
-    }
-#endif
+    return memory;
 }
 
 /* Second part: roots and divisions. */
@@ -192,15 +170,12 @@ LANES_INLINE struct NAME(meeting)
     return to;
 }
 
-/* Third part: the law. Changes and stores the contacts' state. */
-LANES_INLINE struct NAME(contact_result)
-    NAME(act)(const struct NAME(meeting) * at, const struct NAME(law) * law, const struct contact_slots *slots,
-              size_t k, struct NAME(sums) * sums)
+/* Third part: the law's first half. */
+LANES_INLINE struct NAME(touch) NAME(touch_at)(const struct NAME(law) * law, const struct NAME(meeting) * at,
+                                               const struct contact_slots *slots, size_t k, struct NAME(sums) * sums)
 {
-    struct NAME(contact_state) state = NAME(state_load)(slots, k);
-    struct NAME(contact_result) result = NAME(contact)(law, at->delta, at->n, at->g, at->w, at->spin, &state, sums);
-    NAME(state_store)(slots, k, &state);
-    return result;
+    struct NAME(memory) memory = NAME(memory_at)(slots, k);
+    return NAME(touch)(law, at->delta, at->n, at->g, at->w, at->spin, &memory, sums);
 }
 
 /* Adds forces and moments to the rows of j, one lane after the other. Padding slots add zeros to the padding particle.
@@ -245,8 +220,9 @@ LANES_INLINE void NAME(add_pair)(void *force, scalar *own, int rows, const struc
 }
 
 /* The sets of contacts are independent but for the sums, and each is one long chain of operations. The chain is cut in
- * four that run at a time: while set k is acted on, roots are drawn for set k + 1, set k + 2 is approached, and set
- * k - 1 added up. What is read behind the last set is room for more, and is not used. */
+ * parts that run at a time. With friction: set k + 3 is approached, roots are drawn for set k + 2, the law's first half
+ * is done for set k + 1 and its second for set k, and set k - 1 is added up; without, the halves are one part. What is
+ * read behind the last set is room for more, and is not used. */
 static void NAME(pair)(const struct particles *p, struct contact_list *pairs, int first, int last,
                        const struct contact_law_constants *constants, void *force, struct contact_losses *losses)
 {
@@ -259,15 +235,29 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
     scalar *own = (scalar *)((char *)force + PARTICLES_OWN_OFFSET(rows, DIM, FRICTIONAL, SINGLE));
     if (start >= end)
         return;
-    struct NAME(approach) near = NAME(approach)(p, &slots, start);
-    struct NAME(meeting) next = NAME(meet)(&near, &slots, start);
+    enum { AHEAD = FRICTIONAL ? LANES : 0 }; /* of the law's first half */
     struct NAME(contact_result) done = {0};
+    struct NAME(approach) near = NAME(approach)(p, &slots, start);
+    struct NAME(meeting) met = NAME(meet)(&near, &slots, start);
     near = NAME(approach)(p, &slots, start + LANES);
+#if FRICTIONAL
+    struct NAME(touch) next = NAME(touch_at)(&law, &met, &slots, start, &sums);
+    met = NAME(meet)(&near, &slots, start + LANES);
+    near = NAME(approach)(p, &slots, start + 2 * LANES);
+#endif
     for (size_t k = start; k < end; k += LANES) {
-        struct NAME(meeting) now = next;
-        next = NAME(meet)(&near, &slots, k + LANES);
-        near = NAME(approach)(p, &slots, k + 2 * LANES);
-        struct NAME(contact_result) result = NAME(act)(&now, &law, &slots, k, &sums);
+        struct NAME(meeting) at = met;
+        met = NAME(meet)(&near, &slots, k + LANES + AHEAD);
+        near = NAME(approach)(p, &slots, k + 2 * LANES + AHEAD);
+#if FRICTIONAL
+        struct NAME(touch) now = next;
+        if (k + LANES < end)
+            next = NAME(touch_at)(&law, &at, &slots, k + LANES, &sums);
+#else
+        struct NAME(touch) now = NAME(touch_at)(&law, &at, &slots, k, &sums);
+#endif
+        struct NAME(memory) memory = NAME(memory_at)(&slots, k);
+        struct NAME(contact_result) result = NAME(force)(&law, &now, &memory, &sums);
         if (k > start)
             NAME(add_pair)(force, own, rows, &slots, k - LANES, &done);
         if (SINGLE && k % CLOSE_EVERY == 0)
@@ -313,14 +303,14 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
             spin[c] = i.omega[c];
         }
 #endif
-        struct NAME(contact_state) state = NAME(state_load)(&slots, k);
+        struct NAME(memory) memory = NAME(memory_at)(&slots, k);
 #if SINGLE
         real overlap = f32_of(delta);
 #else
         real overlap = delta[0];
 #endif
-        struct NAME(contact_result) result = NAME(contact)(&law, overlap, n, g, w, spin, &state, &sums);
-        NAME(state_store)(&slots, k, &state);
+        struct NAME(touch) touch = NAME(touch)(&law, overlap, n, g, w, spin, &memory, &sums);
+        struct NAME(contact_result) result = NAME(force)(&law, &touch, &memory, &sums);
         for (int c = 0; c < DIM; c++)
             result.force[c] = -result.force[c];
         NAME(add_rows)(p->force, slots.row + k, &result);
