@@ -112,6 +112,7 @@ static const struct entry table[] = {
     WORLD(ledger.contacts.viscous_tangential, F64, 1),
     WORLD(ledger.contacts.friction, F64, 1),
     WORLD(neighbor.skin, F64, 1),
+    WORLD(pairs.search_max, I32, 1),
     WORLD(neighbor.rebuilds, I64, 1),
     WORLD(neighbor.built_step, I64, 1),
     {"id", OF_PARTICLES, I32, offsetof(struct particles, id), ONE_ARRAY, 0},

@@ -92,6 +92,7 @@ static void deal_greedily(struct deal *deal)
 static bool pass_on(struct deal *deal, int from, int search)
 {
     const struct contact_list *pairs = deal->pairs;
+    const int most = pairs->search_max > 0 && pairs->search_max < SEARCH_MAX ? pairs->search_max : SEARCH_MAX;
     int n = 0;
     deal->queue[n++] = from;
     deal->seen[from] = search;
@@ -114,7 +115,7 @@ static bool pass_on(struct deal *deal, int from, int search)
                 }
                 return true;
             }
-            if (n < SEARCH_MAX)
+            if (n < most)
                 deal->queue[n++] = next;
         }
     }

@@ -99,6 +99,7 @@ static enum status renew_lists(struct world *world)
     struct neighbor *neighbor = &world->neighbor;
     TRY(check_inside(world));
     neighbor_tune(neighbor, &world->particles, world->walls, world->n_walls, world->step);
+    world->pairs.search_max = neighbor_search_max(neighbor, world->step);
     neighbor->built_step = world->step;
     return world_build_lists(world);
 }

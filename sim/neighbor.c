@@ -153,6 +153,7 @@ static enum status build_pairs(struct neighbor *nb, const struct particles *p, s
     TRY(carry_history(nb, fresh, pairs));
     if (fresh->count)
         nb->search.add(fresh->reach, p->radius, fresh->i, fresh->j, fresh->count);
+    fresh->search_max = pairs->search_max;
     TRY(contact_list_close(fresh, p));
     swap_lists(pairs, fresh);
     return STATUS_OK;
@@ -236,6 +237,12 @@ void neighbor_tune(struct neighbor *nb, const struct particles *p, const struct 
         return;
     double speed = farthest(p, walls, n_walls) / (double)(step - nb->built_step);
     nb->skin = sqrt(nb->skin * best_skin(nb, p, speed)); /* half way there: speeds vary */
+}
+
+int neighbor_search_max(const struct neighbor *nb, int64_t step)
+{
+    const int64_t long_life = 500;
+    return step - nb->built_step < long_life ? 12 : 0;
 }
 
 bool neighbor_is_wide(const struct neighbor *nb, const struct particles *p, const struct wall *walls, int n_walls,
