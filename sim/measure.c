@@ -6,27 +6,31 @@
 
 #include "sim/contact_law.h"
 
+/* Compiled for each model: `dim` and `springs` are constants where these functions are called. */
+#define FOR_MODEL static inline __attribute__((always_inline))
+
 /* Geometry of a candidate: overlap (<= 0: open), unit normal from j or the wall to i, and distance along it. */
 struct geometry {
     double overlap, n[3], distance;
 };
 
-static struct geometry pair_geometry(const struct particles *p, int i, int j)
+FOR_MODEL struct geometry pair_geometry(const struct particles *p, int dim, int i, int j)
 {
     struct geometry g = {0};
     double d2 = 0;
-    for (int c = 0; c < p->dimension; c++) {
+    for (int c = 0; c < dim; c++) {
         g.n[c] = p->x[c][i] - p->x[c][j];
         d2 += g.n[c] * g.n[c];
     }
     g.distance = sqrt(d2);
-    for (int c = 0; c < p->dimension; c++)
-        g.n[c] *= 1 / g.distance;
+    const double inverse = 1 / g.distance;
+    for (int c = 0; c < dim; c++)
+        g.n[c] *= inverse;
     g.overlap = p->radius[i] + p->radius[j] - g.distance;
     return g;
 }
 
-static struct geometry wall_geometry(const struct particles *p, int i, const struct wall *wall)
+FOR_MODEL struct geometry wall_geometry(const struct particles *p, int i, const struct wall *wall)
 {
     struct geometry g = {0};
     g.n[wall->axis] = wall->inward;
@@ -41,11 +45,11 @@ static const struct contact_list *list_of(const struct world *world, int l)
     return l == 0 ? &world->pairs : &world->walls[l - 1].contacts;
 }
 
-static struct geometry geometry_of(const struct world *world, int l, int k)
+FOR_MODEL struct geometry geometry_of(const struct world *world, int dim, int l, int k)
 {
     const struct contact_list *list = list_of(world, l);
     if (l == 0)
-        return pair_geometry(&world->particles, list->i[k], list->j[k]);
+        return pair_geometry(&world->particles, dim, list->i[k], list->j[k]);
     return wall_geometry(&world->particles, list->i[k], &world->walls[l - 1]);
 }
 
@@ -81,20 +85,21 @@ struct contact_forces {
 };
 
 /* Velocity of i against j or the wall at the contact: normal part u, tangential part vt (2D: vt[0] along (-n1, n0)). */
-static double relative_velocity(const struct world *world, int l, int k, const double *n, double *vt)
+FOR_MODEL double relative_velocity(const struct world *world, int dim, int springs, int l, int k, const double *n,
+                                   double *vt)
 {
     const struct particles *p = &world->particles;
     const struct contact_list *list = list_of(world, l);
     const struct wall *wall = l > 0 ? &world->walls[l - 1] : NULL;
     int i = list->i[k], j = list->j[k];
     double v[3] = {0}, w[3] = {0}, u = 0;
-    for (int c = 0; c < p->dimension; c++) {
+    for (int c = 0; c < dim; c++) {
         v[c] = p->v[c][i] - (!wall ? p->v[c][j] : wall->axis == c ? wall->v : 0);
         u += v[c] * n[c];
     }
-    for (int c = 0; c < p->n_rotations; c++)
+    for (int c = 0; c < springs; c++)
         w[c] = p->radius[i] * p->omega[c][i] + (wall ? 0 : p->radius[j] * p->omega[c][j]);
-    if (p->dimension == 2) {
+    if (dim == 2) {
         vt[0] = v[1] * n[0] - v[0] * n[1] - w[0];
     } else {
         vt[0] = v[0] + (n[1] * w[2] - n[2] * w[1]) - u * n[0];
@@ -104,53 +109,118 @@ static double relative_velocity(const struct world *world, int l, int k, const d
     return u;
 }
 
-static struct contact_forces contact_forces(const struct world *world, int l, int k, const struct geometry *g)
+FOR_MODEL struct contact_forces contact_forces(const struct world *world, int dim, int springs, int l, int k,
+                                               const struct geometry *g)
 {
     const struct contact_list *list = list_of(world, l);
     const struct contact_law_constants *law = &world->law;
     const double *n = g->n;
     struct contact_forces f = {0};
-    double vt[3], ft[3], u = relative_velocity(world, l, k, n, vt);
+    double vt[3], ft[3], u = relative_velocity(world, dim, springs, l, k, n, vt);
     f.elastic =
         list->hysteretic ? contact_elastic_force(law, g->overlap, contact_list_history(list, k)) : law->k1 * g->overlap;
     f.normal = f.elastic - law->gamma_n * u;
-    for (int c = 0; c < list->n_springs; c++) {
+    for (int c = 0; c < springs; c++) {
         double xi = contact_list_spring(list, c, k) -
                     0.5 * world->dt * vt[c]; /* it is kept for the middle of the step to come */
         ft[c] = -law->kt * xi - law->gamma_t * vt[c];
         f.spring_energy += 0.5 * law->kt * xi * xi;
     }
-    if (list->n_springs == 1) {
+    if (springs == 1) {
         f.tangential[0] = -ft[0] * n[1];
         f.tangential[1] = ft[0] * n[0];
-    } else if (list->n_springs == 3) {
+    } else if (springs == 3) {
         memcpy(f.tangential, ft, sizeof ft);
     }
-    for (int c = 0; c < world->particles.dimension; c++)
+    for (int c = 0; c < dim; c++)
         f.total[c] = f.normal * n[c] + f.tangential[c];
     return f;
 }
 
-static void add_elastic(const struct world *world, int l, struct elastic_energy *sum)
+/* Sums over the contacts of all lists. */
+struct survey {
+    double elastic_normal_j, elastic_tangential_j;
+    double max_overlap_ratio;
+    double stress[9], fabric[9]; /* sums over contacts; fabric over those between particles */
+    int pairs, walls, sliding;
+    int32_t *i, *j; /* touching particles, j < 0: a wall; NULL: not wanted, nor all but the energies */
+};
+
+FOR_MODEL void add_state(const struct world *world, int dim, int springs, int l, int k, const struct geometry *g,
+                         const struct contact_forces *f, struct survey *sum)
 {
+    const struct particles *p = &world->particles;
     const struct contact_list *list = list_of(world, l);
-    for (int k = 0; k < list->count; k++) {
-        struct geometry g = geometry_of(world, l, k);
+    const bool pair = l == 0;
+    const int i = list->i[k], n = sum->pairs + sum->walls;
+    double smaller_radius = p->radius[i];
+    if (pair && p->radius[list->j[k]] < smaller_radius)
+        smaller_radius = p->radius[list->j[k]];
+    if (g->overlap > sum->max_overlap_ratio * smaller_radius)
+        sum->max_overlap_ratio = g->overlap / smaller_radius;
+    sum->sliding += pair && springs && contact_list_slides(list, k);
+    sum->i[n] = i;
+    sum->j[n] = pair ? list->j[k] : -1;
+    sum->pairs += pair;
+    sum->walls += !pair;
+    for (int a = 0; a < dim; a++)
+        for (int b = 0; b < dim; b++) {
+            sum->stress[a * dim + b] += f->total[a] * g->n[b] * g->distance;
+            if (pair)
+                sum->fabric[a * dim + b] += g->n[a] * g->n[b];
+        }
+}
+
+FOR_MODEL void survey_list(const struct world *world, int dim, int springs, int l, bool state, struct survey *result)
+{
+    const int count = list_of(world, l)->count;
+    struct survey sum = *result;
+    for (int k = 0; k < count; k++) {
+        const struct geometry g = geometry_of(world, dim, l, k);
         if (!(g.overlap > 0))
             continue;
-        struct contact_forces f = contact_forces(world, l, k, &g);
-        sum->normal_j += f.elastic * f.elastic / (2 * world->law.k2);
-        sum->tangential_j += f.spring_energy;
+        const struct contact_forces f = contact_forces(world, dim, springs, l, k, &g);
+        sum.elastic_normal_j += f.elastic * f.elastic;
+        sum.elastic_tangential_j += f.spring_energy;
+        if (state)
+            add_state(world, dim, springs, l, k, &g, &f, &sum);
+    }
+    *result = sum;
+}
+
+FOR_MODEL void survey_lists(const struct world *world, int dim, int springs, bool state, struct survey *sum)
+{
+    for (int l = 0; l <= world->n_walls; l++)
+        survey_list(world, dim, springs, l, state, sum);
+    if (sum->elastic_normal_j > 0) /* before the first stage there is no law */
+        sum->elastic_normal_j /= 2 * world->law.k2;
+}
+
+/* `state`: with all but the energies, too. */
+static void survey(const struct world *world, bool state, struct survey *sum)
+{
+    switch (10 * world->particles.dimension + world->pairs.n_springs) {
+    case 20:
+        state ? survey_lists(world, 2, 0, true, sum) : survey_lists(world, 2, 0, false, sum);
+        break;
+    case 21:
+        state ? survey_lists(world, 2, 1, true, sum) : survey_lists(world, 2, 1, false, sum);
+        break;
+    case 30:
+        state ? survey_lists(world, 3, 0, true, sum) : survey_lists(world, 3, 0, false, sum);
+        break;
+    default:
+        state ? survey_lists(world, 3, 3, true, sum) : survey_lists(world, 3, 3, false, sum);
+        break;
     }
 }
 
 struct elastic_energy measure_elastic_energy(const struct world *world)
 {
+    struct survey sum = {0};
     world_settle(world);
-    struct elastic_energy sum = {0, 0};
-    for (int l = 0; l <= world->n_walls; l++)
-        add_elastic(world, l, &sum);
-    return sum;
+    survey(world, false, &sum);
+    return (struct elastic_energy){sum.elastic_normal_j, sum.elastic_tangential_j};
 }
 
 void measure_wall_stiffness(const struct world *world, double *stiffness_n_per_m, double *damping_kg_per_s)
@@ -165,31 +235,6 @@ void measure_wall_stiffness(const struct world *world, double *stiffness_n_per_m
         }
         stiffness_n_per_m[w] = touching * world->law.k2;
         damping_kg_per_s[w] = touching * world->law.gamma_n;
-    }
-}
-
-/* Contact stress, fabric, overlaps and the state of friction, over one list. */
-static void add_contacts(const struct world *world, int l, struct measurement *m, int *sliding)
-{
-    const struct particles *p = &world->particles;
-    const struct contact_list *list = list_of(world, l);
-    const int dim = p->dimension;
-    const bool pair = l == 0;
-    for (int k = 0; k < list->count; k++) {
-        struct geometry g = geometry_of(world, l, k);
-        if (!(g.overlap > 0))
-            continue;
-        struct contact_forces f = contact_forces(world, l, k, &g);
-        double smaller_radius = pair ? fmin(p->radius[list->i[k]], p->radius[list->j[k]]) : p->radius[list->i[k]];
-        m->max_overlap_ratio = fmax(m->max_overlap_ratio, g.overlap / smaller_radius);
-        *sliding += pair && list->n_springs && contact_list_slides(list, k);
-        m->n_contacts += pair;
-        m->n_wall_contacts += !pair;
-        for (int a = 0; a < dim; a++)
-            for (int b = 0; b < dim; b++) {
-                m->stress_contact_pa[a * dim + b] += f.total[a] * g.n[b] * g.distance;
-                m->fabric[a * dim + b] += pair ? g.n[a] * g.n[b] : 0;
-            }
     }
 }
 
@@ -234,11 +279,11 @@ static double inertial_number(const struct world *world, const struct measuremen
 }
 
 /* Contacts of each particle, those with rattlers left out; returns the number of contact ends counted. */
-static int count_degrees(const struct contact_measurement *contacts, int n, const bool *rattler, int *degree)
+static int count_degrees(const struct survey *contacts, const bool *rattler, int *degree)
 {
     int ends = 0;
-    for (int k = 0; k < n; k++) {
-        int i = contacts[k].i, j = contacts[k].j;
+    for (int k = 0; k < contacts->pairs + contacts->walls; k++) {
+        int i = contacts->i[k], j = contacts->j[k];
         if (rattler[i] || (j >= 0 && rattler[j]))
             continue;
         degree[i]++;
@@ -253,15 +298,15 @@ static int count_degrees(const struct contact_measurement *contacts, int n, cons
 
 /* Rattlers: a particle needs dimension contacts to be held with friction, one more without; taken out until nothing
  * changes. Scratch: rattler and degree [count], zeroed. */
-static void remove_rattlers(const struct world *world, const struct contact_measurement *contacts, int n, bool *rattler,
-                            int *degree, struct measurement *m)
+static void remove_rattlers(const struct world *world, const struct survey *contacts, bool *rattler, int *degree,
+                            struct measurement *m)
 {
     const int count = world->particles.count;
     const int needed = world->particles.dimension + (world->particles.n_rotations ? 0 : 1);
     int held = count, ends = 0, removed = 1;
     while (removed) {
         memset(degree, 0, (size_t)count * sizeof *degree);
-        ends = count_degrees(contacts, n, rattler, degree);
+        ends = count_degrees(contacts, rattler, degree);
         removed = 0;
         for (int i = 0; i < count; i++)
             if (!rattler[i] && degree[i] < needed) {
@@ -274,59 +319,67 @@ static void remove_rattlers(const struct world *world, const struct contact_meas
     m->rattler_fraction = (double)(count - held) / count;
 }
 
-static enum status measure_coordination(const struct world *world, struct measurement *m)
-{
-    const int count = world->particles.count, n = m->n_contacts + m->n_wall_contacts;
-    struct contact_measurement *contacts = malloc((size_t)(n + 1) * sizeof *contacts);
-    int *degree = calloc((size_t)count, sizeof *degree);
-    bool *rattler = calloc((size_t)count, sizeof *rattler);
-    enum status status = STATUS_OK;
-    m->coordination = (2.0 * m->n_contacts + m->n_wall_contacts) / count;
-    if (contacts && degree && rattler) {
-        measure_contacts(world, contacts);
-        remove_rattlers(world, contacts, n, rattler, degree, m);
-    } else {
-        status = status_fail(STATUS_NO_MEMORY, "out of memory");
-    }
-    free(contacts);
-    free(degree);
-    free(rattler);
-    return status;
-}
-
-static void measure_energies(const struct world *world, struct measurement *m)
+static void measure_energies(const struct world *world, const struct survey *contacts, struct measurement *m)
 {
     const struct ledger *ledger = &world->ledger;
-    struct elastic_energy elastic = measure_elastic_energy(world);
     m->kinetic_j = measure_kinetic_energy_j(world);
-    m->elastic_normal_j = elastic.normal_j;
-    m->elastic_tangential_j = elastic.tangential_j;
+    m->elastic_normal_j = contacts->elastic_normal_j;
+    m->elastic_tangential_j = contacts->elastic_tangential_j;
     m->work_gravity_j = ledger->potential_start - measure_potential_energy_j(world);
     double stored =
-        m->kinetic_j - ledger->kinetic_start + elastic.normal_j + elastic.tangential_j - ledger->elastic_start;
+        m->kinetic_j - ledger->kinetic_start + m->elastic_normal_j + m->elastic_tangential_j - ledger->elastic_start;
     double lost = ledger->contacts.hysteresis + ledger->contacts.viscous_normal + ledger->contacts.viscous_tangential +
                   ledger->contacts.friction + ledger->background;
     m->residual_j = ledger->work_walls + m->work_gravity_j - stored - lost;
 }
 
+static void measure_contact_state(const struct world *world, const struct survey *contacts, struct measurement *m)
+{
+    m->n_contacts = contacts->pairs;
+    m->n_wall_contacts = contacts->walls;
+    m->max_overlap_ratio = contacts->max_overlap_ratio;
+    m->sliding_fraction = contacts->pairs ? (double)contacts->sliding / contacts->pairs : 0;
+    m->coordination = (2.0 * contacts->pairs + contacts->walls) / world->particles.count;
+    memcpy(m->stress_contact_pa, contacts->stress, sizeof m->stress_contact_pa);
+    for (int k = 0; contacts->pairs && k < 9; k++)
+        m->fabric[k] = contacts->fabric[k] / contacts->pairs;
+}
+
+static size_t candidates(const struct world *world)
+{
+    size_t n = 0;
+    for (int l = 0; l <= world->n_walls; l++)
+        n += (size_t)list_of(world, l)->count;
+    return n;
+}
+
 enum status measure(const struct world *world, struct measurement *m)
 {
-    world_settle(world);
-    int sliding = 0;
+    const size_t count = (size_t)world->particles.count, n = candidates(world) + 1;
+    int32_t *touching = malloc(2 * n * sizeof *touching);
+    int *degree = malloc(count * sizeof *degree);
+    bool *rattler = calloc(count, sizeof *rattler);
+    struct survey contacts = {.i = touching, .j = touching ? touching + n : NULL};
+    const bool memory = touching && degree && rattler;
     memset(m, 0, sizeof *m);
-    add_contacts(world, 0, m, &sliding);
-    for (int k = 0; m->n_contacts && k < 9; k++)
-        m->fabric[k] /= m->n_contacts;
-    for (int w = 0; w < world->n_walls; w++)
-        add_contacts(world, 1 + w, m, &sliding);
-    m->sliding_fraction = m->n_contacts ? (double)sliding / m->n_contacts : 0;
-    measure_box(world, m);
-    m->inertial_number = inertial_number(world, m);
-    measure_energies(world, m);
+    if (memory) {
+        world_settle(world);
+        survey(world, true, &contacts);
+        measure_contact_state(world, &contacts, m);
+        measure_box(world, m);
+        m->inertial_number = inertial_number(world, m);
+        measure_energies(world, &contacts, m);
+        remove_rattlers(world, &contacts, rattler, degree, m);
+    }
+    free(touching);
+    free(degree);
+    free(rattler);
+    if (!memory)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
     if (!isfinite(m->kinetic_j) || !isfinite(m->elastic_normal_j) || !isfinite(m->residual_j))
         return status_fail(STATUS_UNSTABLE, "step %lld (t = %g s): the energy is not finite; a smaller dt_s would help",
                            (long long)world->step, world->time_s);
-    return measure_coordination(world, m);
+    return STATUS_OK;
 }
 
 static void fill_contact(const struct world *world, int l, int k, const struct geometry *g,
@@ -334,7 +387,7 @@ static void fill_contact(const struct world *world, int l, int k, const struct g
 {
     const struct contact_list *list = list_of(world, l);
     const int dim = world->particles.dimension;
-    struct contact_forces f = contact_forces(world, l, k, g);
+    struct contact_forces f = contact_forces(world, dim, list->n_springs, l, k, g);
     const int32_t *id = world->particles.id;
     const int i = id[list->i[k]], j = l == 0 ? id[list->j[k]] : -l;
     const double sign = l == 0 && i > j ? -1 : 1; /* after renumbering they may stand the other way round */
@@ -372,7 +425,7 @@ int measure_contacts(const struct world *world, struct contact_measurement *out)
     for (int l = 0; l <= world->n_walls; l++) {
         const int first = n;
         for (int k = 0; k < list_of(world, l)->count; k++) {
-            struct geometry g = geometry_of(world, l, k);
+            struct geometry g = geometry_of(world, world->particles.dimension, l, k);
             if (!(g.overlap > 0))
                 continue;
             if (out)

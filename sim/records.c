@@ -183,14 +183,12 @@ static enum status send_sample(struct records *records, const struct world *worl
     SEND(records, world, RECORD_SAMPLE, sample_t, &message);
 }
 
-enum status records_send_sample(struct records *records, const struct world *world)
+enum status records_send_sample(struct records *records, const struct world *world, struct measurement *m)
 {
-    struct measurement m;
-    TRY(measure(world, &m));
-    double work_j = fabs(world->ledger.work_walls) + fabs(m.work_gravity_j);
-    records->residual_ratio = work_j > 0 ? m.residual_j / work_j : 0;
+    double work_j = fabs(world->ledger.work_walls) + fabs(m->work_gravity_j);
+    records->residual_ratio = work_j > 0 ? m->residual_j / work_j : 0;
     records->last_sample_step = world->step;
-    return send_sample(records, world, &m);
+    return send_sample(records, world, m);
 }
 
 /* Row-major copy of the `n` components of particles [first, first + count), in the order of ids. */

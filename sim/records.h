@@ -3,6 +3,7 @@
 #define SHAKEDOWN_SIM_RECORDS_H
 
 #include "common/record_stream.h"
+#include "sim/measure.h"
 #include "sim/world.h"
 
 struct records {
@@ -29,8 +30,8 @@ enum status records_send_start(struct records *records, const struct world *worl
 /* Has all that was recorded so far brought to disk, as a checkpoint of this state follows. */
 enum status records_send_checkpoint(struct records *records, const struct world *world, int64_t wall_states) MUST_USE;
 
-/* The state of the sample now; nothing if it was sent for this step and stage already. */
-enum status records_send_sample(struct records *records, const struct world *world) MUST_USE;
+/* The state of the sample now, as `measure` found it. */
+enum status records_send_sample(struct records *records, const struct world *world, struct measurement *m) MUST_USE;
 
 /* Particles and contacts now, in chunks. */
 enum status records_send_frame(struct records *records, const struct world *world) MUST_USE;

@@ -63,11 +63,18 @@ static int64_t steps_in(const struct run *run, double every_s)
 
 static enum status take_sample(struct run *run)
 {
-    struct elastic_energy elastic = measure_elastic_energy(run->world);
-    run->energies = (struct run_energies){.kinetic_j = measure_kinetic_energy_j(run->world),
-                                          .elastic_j = elastic.normal_j + elastic.tangential_j,
-                                          .step = run->world->step};
-    return run->stream ? records_send_sample(&run->records, run->world) : STATUS_OK;
+    struct measurement m;
+    if (run->stream) {
+        TRY(measure(run->world, &m));
+    } else {
+        struct elastic_energy elastic = measure_elastic_energy(run->world);
+        m.kinetic_j = measure_kinetic_energy_j(run->world);
+        m.elastic_normal_j = elastic.normal_j;
+        m.elastic_tangential_j = elastic.tangential_j;
+    }
+    run->energies = (struct run_energies){
+        .kinetic_j = m.kinetic_j, .elastic_j = m.elastic_normal_j + m.elastic_tangential_j, .step = run->world->step};
+    return run->stream ? records_send_sample(&run->records, run->world, &m) : STATUS_OK;
 }
 
 static enum status take_frame(struct run *run)
