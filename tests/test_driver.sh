@@ -281,7 +281,7 @@ case_run() {
 case_in_process() {
     shakedown run "$quick" --out one --in-process
     expect_code 0 $?
-    shakedown run "$quick" --out many --set coupling.interval_steps=1
+    shakedown run "$quick" --out many
     expect_code 0 $?
     local name
     for name in one many; do
