@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "bench/child.h"
@@ -20,20 +21,22 @@
 enum { ADAPTIVE_LONGEST = 1024, LOCKS_MAX = 4, TURN = 3 /* points beside one run in process */ };
 static const double LIMIT_S = 120;    /* of a run */
 static const double LOCK_HELD_S = 45; /* others get their turn after that */
-static const double WORTH = 2;        /* a point that takes longer is timed once only */
+static const double WORTH = 1.6;      /* a point that takes longer is timed once only */
 static const double BUDGET_S = 840;   /* no further rounds after that */
 
+/* Of the samples of seeds 1 to 5 of scene A, 2 has the median floor (docs/coupling.md). */
 static const struct coupling_case cases[] = {
     {.name = "a",
      .title = "scene A: biaxial, kc = 0",
      .file = "biaxial.cfg",
+     .override = {"seed=2"},
      .measure = MEASURE_STRESS,
-     .rounds = 5,
+     .rounds = 3,
      .target = {{5e-3, 1.15}, {1e-3, 1.5}}},
     {.name = "a-cohesion",
      .title = "scene A with kc = 2 k2, to 1.5 % of strain",
      .file = "biaxial.cfg",
-     .override = {"material.kc_n_per_m=2e5"},
+     .override = {"seed=2", "material.kc_n_per_m=2e5"},
      .measure = MEASURE_EARLY,
      .rounds = 1,
      .few = true},
@@ -43,12 +46,14 @@ static const struct coupling_case cases[] = {
      .measure = MEASURE_STRAIN,
      .duration_s = 1,
      .rounds = 3,
+     .few = true,
      .target = {{1e-4, 1.05}}},
 };
 static const struct coupling_case quick_cases[] = {
     {.name = "a",
      .title = "scene A: biaxial, kc = 0",
      .file = "biaxial.cfg",
+     .override = {"seed=2"},
      .measure = MEASURE_STRESS,
      .rounds = 1,
      .few = true,
@@ -105,6 +110,15 @@ static void unlock(struct bench *bench)
     while (bench->n_locks > 0)
         (void)close(bench->lock[--bench->n_locks]);
     bench->lock_s = 0;
+}
+
+/* Those who wait get the locks: who asks again at once is first. */
+static void give_way(struct bench *bench)
+{
+    const struct timespec pause = {.tv_sec = 1};
+    unlock(bench);
+    (void)nanosleep(&pause, NULL);
+    bench->waited_s += 1;
 }
 
 /* ---- the plan ---- */
@@ -202,7 +216,7 @@ static enum status run_round(struct bench *bench, struct coupling_work *work, in
         if (round > 0 && !is_worth(work, point))
             continue;
         if (bench->lock_s > 0 && clock_now_s() - bench->lock_s > LOCK_HELD_S) {
-            unlock(bench);
+            give_way(bench);
             since = TURN;
         }
         TRY(lock(bench));
@@ -340,6 +354,8 @@ int main(int argc, char **argv)
     if (status == STATUS_OK && (!options.bin || !options.scenes || !options.out || line.n_positional > 0))
         status =
             status_fail(STATUS_USAGE, "--bin, --scenes and --out are needed; start it with ./shakedown bench coupling");
+    options.override = line.override;
+    options.n_overrides = line.n_overrides;
     if (status == STATUS_OK)
         status = bench_coupling(&options);
     return status_report("bench_coupling", status);

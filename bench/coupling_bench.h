@@ -52,6 +52,8 @@ struct coupling_point {
 
 struct coupling_options {
     const char *bin, *scenes, *out, *only, *json_path, *plot, *lock;
+    const char *const *override; /* of all scenes, preparation and test */
+    int n_overrides;
     bool quick;
 };
 

@@ -7,6 +7,7 @@
 #include "sim/checkpoint.h"
 #include "sim/world.h"
 
+enum { OVERRIDES_MAX = 32 };
 static const double SHIFT_M = 1e-13, LIMIT_S = 300;
 static const char *const scheme_name[] = {[SCHEME_HOLD] = "hold",
                                           [SCHEME_JACOBIAN] = "jacobian",
@@ -73,11 +74,13 @@ static void set_stage(struct coupling_work *work)
 static enum status make_scene(struct coupling_work *work)
 {
     char path[COUPLING_PATH_MAX], sim[COUPLING_PATH_MAX];
-    const char *override[6] = {"coupling.scheme=\"hold\"", "coupling.interval_steps=1", "record.walls=\"sampled\"",
-                               "record.event_log=false"};
+    const char *override[OVERRIDES_MAX] = {"coupling.scheme=\"hold\"", "coupling.interval_steps=1",
+                                           "record.walls=\"sampled\"", "record.event_log=false"};
     int n = 4;
     for (int k = 0; k < 2 && work->at->override[k]; k++)
         override[n++] = work->at->override[k];
+    for (int k = 0; k < work->options->n_overrides && n < OVERRIDES_MAX; k++)
+        override[n++] = work->options->override[k];
     if (strchr(work->at->file, '/'))
         snprintf(path, sizeof path, "%s", work->at->file);
     else
