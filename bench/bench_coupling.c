@@ -1,7 +1,8 @@
-/* bench_coupling --bin DIR --scenes DIR --out DIR [--scene NAME|FILE] [--quick] [--json FILE] [--plot FILE] [--lock
- * FILES]: error against cost of the coupling schemes. The last stage of each scene goes from one prepared sample
- * through sim, wallctl and recorder over the bus, and beside it in one process with the exact loop, in turn
+/* bench_coupling --bin DIR --scenes DIR --out DIR [--scene NAME|FILE] [--scheme NAME] [--quick] [--json FILE] [--plot
+ * FILE] [--lock FILES]: error against cost of the coupling schemes. The last stage of each scene goes from one prepared
+ * sample through sim, wallctl and recorder over the bus, and beside it in one process with the exact loop, in turn
  * (docs/coupling.md).
+ * SIGINT or SIGTERM: no more runs, but the report of what there is.
  * --lock A:B holds these locks while runs are timed, so that other work on the machine can wait for it. */
 #include <errno.h>
 #include <fcntl.h>
@@ -17,6 +18,7 @@
 #include "bench/coupling_bench.h"
 #include "common/bus.h"
 #include "common/command_line.h"
+#include "common/signals.h"
 
 enum { ADAPTIVE_LONGEST = 1024, LOCKS_MAX = 4, TURN = 3 /* points beside one run in process */ };
 static const double LIMIT_S = 120;    /* of a run */
@@ -125,8 +127,13 @@ static void give_way(struct bench *bench)
 
 static void add(struct coupling_work *work, int scheme, int n, double tolerance)
 {
-    if (work->n < COUPLING_POINTS_MAX)
-        work->point[work->n++] = (struct coupling_point){.scheme = scheme, .n = n, .tolerance = tolerance};
+    const struct coupling_point point = {.scheme = scheme, .n = n, .tolerance = tolerance};
+    const char *only = work->options->scheme;
+    char name[64];
+    coupling_point_name(&point, name, sizeof name);
+    *strchr(name, ' ') = 0;
+    if (work->n < COUPLING_POINTS_MAX && (!only || strcmp(only, name) == 0))
+        work->point[work->n++] = point;
 }
 
 static void plan(struct coupling_work *work)
@@ -170,6 +177,8 @@ static enum status run_point(struct coupling_work *work, struct coupling_point *
     struct trial trial = {.bin = work->options->bin, .scene = work->scene_path, .folder = folder, .limit_s = LIMIT_S};
     coupling_point_override(point, &trial, text);
     enum status status = trial_run(&trial);
+    if (stop_requested() && trial.exit_code != 0)
+        return STATUS_OK; /* it was told to stop, too */
     point->exit_code = trial.exit_code;
     snprintf(point->message, sizeof point->message, "%s", status == STATUS_OK ? trial.message : status_message());
     if (status == STATUS_OK && trial.exit_code == 0)
@@ -219,6 +228,8 @@ static enum status run_round(struct bench *bench, struct coupling_work *work, in
             give_way(bench);
             since = TURN;
         }
+        if (stop_requested())
+            return STATUS_OK;
         TRY(lock(bench));
         if (since++ >= TURN) {
             since = 1;
@@ -226,7 +237,8 @@ static enum status run_round(struct bench *bench, struct coupling_work *work, in
         }
         TRY(run_point(work, point, beside.elapsed_s));
         bench->done += expected_s(work, point) + turn_s(work);
-        tell(bench, work, point);
+        if (point->ran || point->exit_code != 0 || point->failed)
+            tell(bench, work, point);
     }
     return STATUS_OK;
 }
@@ -252,7 +264,8 @@ static enum status run_all(struct bench *bench)
     }
     for (int round = 1; round < COUPLING_ROUNDS_MAX; round++)
         for (int w = 0; w < bench->n_works; w++) {
-            if (round >= bench->work[w].at->rounds || clock_now_s() - bench->start_s - bench->waited_s > BUDGET_S)
+            if (stop_requested() || round >= bench->work[w].at->rounds ||
+                clock_now_s() - bench->start_s - bench->waited_s > BUDGET_S)
                 continue;
             TRY(run_round(bench, &bench->work[w], round));
         }
@@ -309,7 +322,7 @@ static enum status write_report(const struct bench *bench, json_t *report)
     for (int w = 0; w < bench->n_works; w++)
         if (bench->work[w].n > 0)
             json_array_append_new(list, coupling_report(&bench->work[w]));
-    if (bench->n_works > 0 && strcmp(bench->work[0].at->name, "a") == 0 && (wants(options, "hard")))
+    if (bench->n_works > 0 && strcmp(bench->work[0].at->name, "a") == 0 && wants(options, "hard") && !stop_requested())
         json_object_set_new(report, "hard", coupling_hard(&bench->work[0]));
     if (options->json_path && json_dump_file(report, options->json_path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)) != 0)
         return status_fail(STATUS_IO, "%s cannot be written", options->json_path);
@@ -345,10 +358,11 @@ static enum status bench_coupling(const struct coupling_options *options)
 int main(int argc, char **argv)
 {
     struct coupling_options options = {0};
-    const struct command_line_option own[] = {
-        {"bin", &options.bin, NULL},    {"scenes", &options.scenes, NULL},  {"out", &options.out, NULL},
-        {"scene", &options.only, NULL}, {"json", &options.json_path, NULL}, {"plot", &options.plot, NULL},
-        {"lock", &options.lock, NULL},  {"quick", NULL, &options.quick},    {NULL, NULL, NULL}};
+    const struct command_line_option own[] = {{"bin", &options.bin, NULL},        {"scenes", &options.scenes, NULL},
+                                              {"out", &options.out, NULL},        {"scene", &options.only, NULL},
+                                              {"json", &options.json_path, NULL}, {"plot", &options.plot, NULL},
+                                              {"lock", &options.lock, NULL},      {"scheme", &options.scheme, NULL},
+                                              {"quick", NULL, &options.quick},    {NULL, NULL, NULL}};
     struct command_line line;
     enum status status = command_line_parse(&line, argc, argv, own);
     if (status == STATUS_OK && (!options.bin || !options.scenes || !options.out || line.n_positional > 0))
@@ -356,6 +370,8 @@ int main(int argc, char **argv)
             status_fail(STATUS_USAGE, "--bin, --scenes and --out are needed; start it with ./shakedown bench coupling");
     options.override = line.override;
     options.n_overrides = line.n_overrides;
+    if (status == STATUS_OK)
+        status = signals_install();
     if (status == STATUS_OK)
         status = bench_coupling(&options);
     return status_report("bench_coupling", status);

@@ -2,7 +2,7 @@
 # Error against cost of the coupling schemes through the whole pipeline, beside the exact loop in one process, and what
 # they do in hard cases (docs/coupling.md):
 # ./shakedown bench coupling [--quick] [--scene a|a-cohesion|b|hard|FILE] [--out DIR] [--json FILE] [--plot FILE.png]
-#                            [--lock FILE:...] [--set KEY=VALUE]...
+#                            [--scheme NAME] [--lock FILE:...] [--set KEY=VALUE]...
 # In a network namespace of its own. --quick: in two minutes; --out keeps the prepared samples for the next time;
 # --lock: holds these files' locks (as flock) while it takes times.
 set -euo pipefail
@@ -13,7 +13,7 @@ out='' options=()
 while [ $# -gt 0 ]; do
     case $1 in
         --quick) options+=("$1") ;;
-        --out | --scene | --json | --plot | --lock | --set)
+        --out | --scene | --json | --plot | --scheme | --lock | --set)
             [ $# -ge 2 ] || { echo "bench coupling: $1 needs a value" >&2 && exit 2; }
             if [ "$1" = --out ]; then out=$2; else options+=("$1" "$2"); fi
             shift

@@ -51,7 +51,7 @@ struct coupling_point {
 };
 
 struct coupling_options {
-    const char *bin, *scenes, *out, *only, *json_path, *plot, *lock;
+    const char *bin, *scenes, *out, *only, *scheme, *json_path, *plot, *lock;
     const char *const *override; /* of all scenes, preparation and test */
     int n_overrides;
     bool quick;

@@ -22,7 +22,7 @@ static const struct hard_case hard_cases[] = {
     {"heavy", "heavy wall, m_x = 1 kg", {"stages.0.walls.x.mass_kg=1.0"}, 0},
     {"empty", "nothing within reach: the wall starts 50 mm away", {"stages.0.duration_s=5e-3"}, 0.05},
     {"contact", "sudden contact: 5 mm away, 2.6 m/s", {"stages.0.duration_s=1e-2"}, 0.005},
-    {"undamped", "the same, gamma_x = 0.2 kg/s", {"stages.0.walls.x.damping_kg_per_s=0.2"}, 0.0005},
+    {"undamped", "the same from 0.5 mm, gamma_x = 0.2 kg/s", {"stages.0.walls.x.damping_kg_per_s=0.2"}, 0.0005},
     {"pull",
      "kc = 4 k2 pulls the wall, p_x = 5 N/m^2",
      {"stages.0.material.kc_n_per_m=4e5", "stages.0.walls.x.pressure_pa=5.0"},

@@ -131,6 +131,8 @@ json_t *coupling_report(const struct coupling_work *work)
     print_errors(&work->floor);
     printf("\n");
     for (int k = 0; k < work->n; k++) {
+        if (!work->point[k].ran && work->point[k].exit_code == 0 && !work->point[k].failed)
+            continue; /* not tried */
         print_point(&work->point[k]);
         json_array_append_new(points, point_json(work, &work->point[k]));
     }
