@@ -1,5 +1,6 @@
 # shellcheck shell=bash
-# What the studies share; sourced, not run. Runs go in one process each, two at a time.
+# What the studies share; sourced, not run. Runs go in one process each, where the exact loop costs
+# nothing, two at a time.
 set -uo pipefail
 
 root=$(readlink -f "${BASH_SOURCE[0]%/*}/..")
@@ -31,7 +32,7 @@ run() { # NAME SCENE OPTIONS...
     (
         SECONDS=0
         say "$name: started"
-        "$root/shakedown" run "$@" --in-process --out "$out/$name" >"$out/$name.log" 2>&1
+        "$root/shakedown" run --set coupling.interval_steps=1 "$@" --in-process --out "$out/$name" >"$out/$name.log" 2>&1
         code=$?
         say "$name: ended with exit code $code after $SECONDS s"
         exit "$code"
