@@ -3,5 +3,5 @@ add_executable(test_bench_coupling ${CMAKE_CURRENT_LIST_DIR}/test_bench_coupling
 target_link_libraries(test_bench_coupling PRIVATE PkgConfig::JANSSON PkgConfig::CMOCKA)
 foreach(case report failing_runs usage)
   add_test(NAME bench_coupling_${case} COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_bench_coupling.sh ${case})
-  set_tests_properties(bench_coupling_${case} PROPERTIES LABELS pipeline TIMEOUT 180 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
+  set_tests_properties(bench_coupling_${case} PROPERTIES LABELS pipeline TIMEOUT 180 PROCESSORS 2 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
 endforeach()
