@@ -12,6 +12,9 @@ enum { WINDOW_BYTES = 128 * 1024, WAITING_BYTES_MAX = 64 * 1024 * 1024 };
 enum { HANDLED_PER_SERVICE_MAX = 1024, WAIT_STEP_MS = 5 };
 /* Silence counts as a recorder that is gone only after as many repeats: a sender that seldom looks at its stream must
  * not blame the recorder for its own absence. */
+/* Exchanges on their way to the recorder: with the window of the records still below that buffer. */
+enum { WALLS_WINDOW = 16 };
+static const double WALLS_PATIENCE_S = 0.2;
 enum { REPEATS_BEFORE_TIMEOUT = 3 };
 static const double RESEND_AFTER_S = 0.1;
 
@@ -37,6 +40,7 @@ struct record_stream {
     int64_t waiting, repeated;
     int64_t total[RECORD_CHANNELS]; /* published */
     int64_t acked[RECORD_CHANNELS]; /* the recorder's next_seq */
+    int64_t acked_walls;            /* numbers below are with the recorder, or given up */
     bool complete, failed;
     double progress_at_s; /* last acknowledgement of something new, or first record after none was waiting */
     double round_at_s;    /* the same, or the last time that everything was sent again */
@@ -89,6 +93,8 @@ static void ack_take(struct record_stream *stream, const shakedown_record_ack_t 
         stream->acked[c] = ack->next_seq[c];
         progress = true;
     }
+    if (ack->next_wall_seq > stream->acked_walls)
+        stream->acked_walls = ack->next_wall_seq;
     bool complete = ack->complete && stream->total[RECORD_END] > 0;
     progress |= complete && !stream->complete;
     stream->complete |= complete;
@@ -231,6 +237,21 @@ enum status record_stream_service(struct record_stream *stream)
         clock_now_s() - stream->progress_at_s > stream->timeout_s)
         return ack_timeout(stream);
     return window_send(stream);
+}
+
+enum status record_stream_wait_for_walls(struct record_stream *stream, int64_t seq)
+{
+    const double start_s = clock_now_s();
+    bool handled;
+    if (stream->bus->is_log)
+        return STATUS_OK;
+    while (seq - stream->acked_walls >= WALLS_WINDOW) {
+        if (clock_now_s() - start_s > WALLS_PATIENCE_S)
+            stream->acked_walls = seq; /* END will tell what is missing */
+        TRY(bus_handle(stream->bus, WAIT_STEP_MS, &handled));
+        TRY(record_stream_service(stream));
+    }
+    return STATUS_OK;
 }
 
 /* A record whose run or number is not the stream's would never be acknowledged. */

@@ -26,6 +26,10 @@ enum status record_stream_publish(struct record_stream *stream, enum record_chan
 /* Handles acknowledgements that have come, sends what the window allows, sends again what is late. Never blocks. */
 enum status record_stream_service(struct record_stream *stream) MUST_USE;
 
+/* Before wall messages number `seq` go out, if they are to be recorded: waits until the recorder has all but the last
+ * few, so that its socket does not overflow; for a while only, as one that was lost is not sent again. */
+enum status record_stream_wait_for_walls(struct record_stream *stream, int64_t seq) MUST_USE;
+
 /* Waits until everything is acknowledged (for END: until `complete`), at most timeout_s. */
 enum status record_stream_flush(struct record_stream *stream) MUST_USE;
 

@@ -7,7 +7,7 @@
 
 /* How the sender is told (lcmtypes/CHANNELS.md), and how the end is kept: END comes again every 100 ms until the sender
  * knows that the run is complete, so three silent rounds mean that it does. */
-enum { ACK_EVERY_RECORDS = 8, WAIT_MS = 10 };
+enum { ACK_EVERY_RECORDS = 8, ACK_EVERY_WALLS = 16, WAIT_MS = 10 };
 static const double ACK_EVERY_S = 0.05, FLUSH_EVERY_S = 2.0, STOP_PATIENCE_S = 10.0;
 static const double LINGER_S = 0.3, LINGER_MAX_S = 5.0, FAILED_ACKS_S = 0.5;
 
@@ -28,7 +28,7 @@ struct live {
     enum status status; /* of the last handler that failed */
     bool failed;        /* told to the sender */
     int64_t ack_seq;
-    int records_unanswered;
+    int records_unanswered, walls_unanswered;
     bool answer_now;
     int64_t ends; /* copies of END that came */
     double ack_at_s, flush_at_s, message_at_s, stop_at_s;
@@ -47,6 +47,7 @@ static void on_message(const lcm_recv_buf_t *buffer, const char *channel, void *
     if (recording_drops(live->recording)->foreign == foreign)
         live->message_at_s = clock_now_s();
     live->records_unanswered += answer == ANSWER_SOON;
+    live->walls_unanswered += source->kind >= MESSAGE_WALL_STATE;
     live->answer_now |= answer == ANSWER_NOW;
     live->ends += source->kind == RECORD_END;
 }
@@ -62,7 +63,7 @@ static enum status send_ack(struct live *live)
     if (size < 0)
         return status_fail(STATUS_FORMAT, "cannot encode RECORD_ACK");
     live->answer_now = false;
-    live->records_unanswered = 0;
+    live->records_unanswered = live->walls_unanswered = 0;
     live->ack_at_s = clock_now_s();
     return bus_publish(&live->bus, CHANNEL_RECORD_ACK, bytes, (size_t)size);
 }
@@ -84,7 +85,8 @@ static enum status handle(struct live *live, int timeout_ms)
     TRY(bus_handle(&live->bus, timeout_ms, &handled));
     TRY(live->status);
     double now_s = clock_now_s();
-    if (live->answer_now || live->records_unanswered >= ACK_EVERY_RECORDS || now_s - live->ack_at_s >= ACK_EVERY_S)
+    if (live->answer_now || live->records_unanswered >= ACK_EVERY_RECORDS ||
+        live->walls_unanswered >= ACK_EVERY_WALLS || now_s - live->ack_at_s >= ACK_EVERY_S)
         TRY(send_ack(live));
     return STATUS_OK;
 }

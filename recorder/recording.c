@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/coupling.h"
 #include "common/message.h"
 #include "common/scene.h"
 #include "recorder/backlog.h"
@@ -15,6 +16,13 @@
 #include "recorder/xdmf.h"
 
 enum { WARNINGS_MAX = 5 };
+
+/* A wall command that came before its state; size 0: none. */
+struct early_command {
+    size_t size;
+    int64_t seq;
+    unsigned char data[WALL_MESSAGE_MAX];
+};
 
 struct recording {
     char path[PATH_MAX]; /* run.h5 */
@@ -34,6 +42,7 @@ struct recording {
     struct contact_frame contact_frame;
     int64_t next_wall_seq[2]; /* states, commands: smallest seq not seen */
     int64_t wall_total[2];
+    struct early_command early;
     struct backlog backlog; /* wall messages before RUN_INFO says whether they are wanted */
     shakedown_end_t *end;   /* the last END, whether it matched or not */
     bool end_matches, finished, complete;
@@ -110,6 +119,50 @@ static enum status log_message(struct recording *recording, int kind, const void
     return event_writer_add(recording->log, message_channel(kind), data, size);
 }
 
+static enum status wall_write(struct recording *recording, int kind, const union message *message, const void *data,
+                              size_t size)
+{
+    const int which = kind - MESSAGE_WALL_STATE;
+    TRY(kind == MESSAGE_WALL_STATE ? run_writer_wall_state(recording->writer, &message->wall_state)
+                                   : run_writer_wall_command(recording->writer, &message->wall_command));
+    recording->next_wall_seq[which] = message->header.seq + 1;
+    recording->wall_total[which]++;
+    return log_message(recording, kind, data, size);
+}
+
+/* The command that waits for its state, if there is one. */
+static enum status early_release(struct recording *recording)
+{
+    struct early_command *early = &recording->early;
+    union message message;
+    if (early->size == 0)
+        return STATUS_OK;
+    TRY(message_decode(MESSAGE_WALL_COMMAND, early->data, early->size, &message));
+    enum status status = wall_write(recording, MESSAGE_WALL_COMMAND, &message, early->data, early->size);
+    message_free(MESSAGE_WALL_COMMAND, &message);
+    early->size = 0;
+    return status;
+}
+
+/* The kernel hands a state to one socket after the other: wallctl may have answered before we are given it. Such a
+ * command waits for its state, or for the next message that shows that the state was lost. */
+static enum status wall_order(struct recording *recording, int kind, const union message *message, const void *data,
+                              size_t size)
+{
+    struct early_command *early = &recording->early;
+    const int64_t seq = message->header.seq;
+    if (early->size > 0 && (kind == MESSAGE_WALL_COMMAND || early->seq < seq))
+        TRY(early_release(recording));
+    if (kind == MESSAGE_WALL_COMMAND && seq >= recording->next_wall_seq[0] && size <= sizeof early->data) {
+        memcpy(early->data, data, size);
+        early->size = size;
+        early->seq = seq;
+        return STATUS_OK;
+    }
+    TRY(wall_write(recording, kind, message, data, size));
+    return kind == MESSAGE_WALL_STATE ? early_release(recording) : STATUS_OK;
+}
+
 /* A wall message of this run: keeps it if its seq is new. */
 static enum status take_wall(struct recording *recording, int kind, const union message *message, const void *data,
                              size_t size)
@@ -124,15 +177,13 @@ static enum status take_wall(struct recording *recording, int kind, const union 
         drop_malformed(recording);
         return STATUS_OK;
     }
-    if (message->header.seq < recording->next_wall_seq[which]) {
+    const bool waits =
+        kind == MESSAGE_WALL_COMMAND && recording->early.size > 0 && recording->early.seq == message->header.seq;
+    if (message->header.seq < recording->next_wall_seq[which] || waits) {
         recording->drops.repeated++;
         return STATUS_OK;
     }
-    TRY(kind == MESSAGE_WALL_STATE ? run_writer_wall_state(recording->writer, &message->wall_state)
-                                   : run_writer_wall_command(recording->writer, &message->wall_command));
-    recording->next_wall_seq[which] = message->header.seq + 1;
-    recording->wall_total[which]++;
-    return log_message(recording, kind, data, size);
+    return wall_order(recording, kind, message, data, size);
 }
 
 /* What came before RUN_INFO. */
@@ -361,6 +412,8 @@ static enum status take_next(struct recording *recording, int kind, const union 
         *answer = ANSWER_NOW;
         return STATUS_OK;
     }
+    if (kind >= RECORD_CHECKPOINT)
+        TRY(early_release(recording));
     enum status status = take_record(recording, kind, message);
     if (status == STATUS_FORMAT) {
         drop_malformed(recording);
@@ -442,6 +495,7 @@ void recording_ack(const struct recording *recording, int64_t next_seq[RECORD_CH
     ack->run_id = recording->run_id;
     ack->step = recording->last_step;
     ack->time_s = recording->last_time_s;
+    ack->next_wall_seq = recording->next_wall_seq[recording->next_wall_seq[1] < recording->next_wall_seq[0]];
     ack->n_channels = RECORD_CHANNELS;
     ack->next_seq = next_seq;
     ack->complete = recording->complete;
@@ -525,6 +579,8 @@ enum status recording_finish(struct recording *recording)
     if (recording->finished)
         return recording->complete ? STATUS_OK : incomplete(recording);
     recording->finished = true;
+    if (recording->has_run)
+        TRY(early_release(recording));
     TRY(files_close(recording, recording->end_matches));
     recording->complete = recording->end_matches;
     return recording->complete ? STATUS_OK : incomplete(recording);

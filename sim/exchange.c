@@ -97,6 +97,8 @@ enum status exchange_ask(struct exchange *exchange, const struct wall_state *sta
 {
     exchange->asked = *state;
     exchange->answered = false;
+    if (exchange->stream && exchange->scene->record.walls == RECORD_WALLS_FULL)
+        TRY(record_stream_wait_for_walls(exchange->stream, exchange->seq));
     if (!exchange->replay && !exchange->in_process)
         return publish_state(exchange, state);
     TRY(exchange->replay ? replay_exchange(exchange->replay, state, &exchange->answer)

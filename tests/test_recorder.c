@@ -498,6 +498,30 @@ static void test_walls_before_run_info_and_repeated(void **state)
     bench_close(&bench);
 }
 
+/* Commands may come before their states; nothing is lost, and copies of one that waits are copies. */
+static void test_walls_out_of_order(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.walls = true;
+    options.n_wall_states = 50;
+    bench_open(&bench, &options);
+    for (size_t k = 0; k < bench.run.count; k++) {
+        const struct synthetic_message *message = &bench.run.messages[k];
+        if (message->kind == MESSAGE_WALL_STATE) {
+            assert_int_equal(message[1].kind, MESSAGE_WALL_COMMAND);
+            give(&bench, &message[1]);
+            give(&bench, &message[1]);
+        }
+        if (message->kind != MESSAGE_WALL_COMMAND)
+            give(&bench, message);
+    }
+    assert_int_equal(recording_drops(bench.recording)->repeated, 50);
+    finish_complete(&bench);
+    bench_close(&bench);
+}
+
 static void test_walls_not_wanted(void **state)
 {
     struct bench bench;
@@ -610,6 +634,7 @@ int main(void)
         cmocka_unit_test(test_misfits),
         cmocka_unit_test(test_never_complete),
         cmocka_unit_test(test_walls_before_run_info_and_repeated),
+        cmocka_unit_test(test_walls_out_of_order),
         cmocka_unit_test(test_walls_not_wanted),
         cmocka_unit_test(test_refuses_to_overwrite),
         cmocka_unit_test(test_directory_cannot_be_made),
