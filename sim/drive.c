@@ -101,10 +101,9 @@ bool drive_walls(struct world *world)
 double drive_end_position_m(const struct world *world, int w)
 {
     const struct wall_path *path = &world->path;
-    double t = (double)(path->from_step + path->n_steps - world->step) * path->dt;
+    const double t = (double)path->n_steps * path->dt;
     if (has_impedance(path, w))
         return world->walls[w].x + t * world->walls[w].v;
-    t = (double)path->n_steps * path->dt;
     return path->x0[w] + t * (path->v0[w] + 0.5 * t * path->a0[w]);
 }
 

@@ -14,8 +14,8 @@ bool drive_walls(struct world *world);
 /* Driving force of an impedance [N], inward, `tau_s` after the command. */
 double drive_force_n(const struct wall_path *path, int w, double tau_s);
 
-/* Where wall w will be at the end of the interval in force, and its mean velocity over it; of an impedance: as it moves
- * now. */
+/* Where wall w will be at the end of an interval that begins now, and its mean velocity over the interval in force; of
+ * an impedance: as it moves now. */
 double drive_end_position_m(const struct world *world, int w);
 double drive_mean_velocity_m_per_s(const struct world *world, int w);
 

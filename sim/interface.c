@@ -38,7 +38,7 @@ void interface_stage_start(struct world *world)
     face->window_intervals = face->bad_windows = face->leaking_windows = 0;
 }
 
-/* Energy between the work of an interval and the controller's idea of it. `force_end`: what the next command says. */
+/* Energy between the work of the interval that ended and the controller's idea of it, with the command that follows. */
 static double controller_mismatch_j(const struct world *world, const struct wall_command *command, int w)
 {
     const struct wall_path *path = &world->path;

@@ -227,12 +227,11 @@ static enum status ask(struct run *run, struct wall_state *state)
 }
 
 /* The command for the current step, unless it was asked for ahead. */
-static enum status take_command(struct run *run, const struct wall_state *state)
+static enum status take_command(struct run *run, struct wall_state *state)
 {
     if (run->has_command)
         return STATUS_OK;
-    struct wall_state asking = *state;
-    TRY(ask(run, &asking));
+    TRY(ask(run, state));
     return exchange_answer(&run->exchange, &run->command);
 }
 

@@ -131,37 +131,32 @@ case_interrupt() {
     expect_same_run whole cut
 }
 
-case_in_process() {
-    shakedown run "$scene" "${settings[@]}" --out whole --in-process --set stages.0.duration_s=0.3
+# A run in one process and the same one killed and resumed.
+same_in_process() { # ARGUMENTS...
+    shakedown run "$scene" "${settings[@]}" --out whole --in-process --set stages.0.duration_s=0.3 "$@"
     expect_code 0 $?
-    start_driver --in-process --set stages.0.duration_s=0.3
+    start_driver --in-process --set stages.0.duration_s=0.3 "$@"
     wait_for second_checkpoint
     kill -KILL "$(pid_of sim)"
     wait_for driver_ended
     shakedown run --resume cut
     expect_code 0 $?
     expect_same_run whole cut
+}
+
+case_in_process() {
+    same_in_process
     expect_text last.out 'going on from'
 }
 
 # What a scheme keeps between exchanges is in the checkpoint: the command in hand, the errors of the last intervals, the
 # step of an impedance.
 case_schemes() {
-    local scheme scheme_settings
+    local scheme
     for scheme in pipelined adaptive impedance; do
         first=''
         rm -rf whole cut
-        scheme_settings=(--in-process --set "coupling.scheme=$scheme" --set coupling.interval_steps=7
-            --set stages.0.duration_s=0.3)
-        shakedown run "$scene" "${settings[@]}" --out whole "${scheme_settings[@]}"
-        expect_code 0 $?
-        start_driver "${scheme_settings[@]}"
-        wait_for second_checkpoint
-        kill -KILL "$(pid_of sim)"
-        wait_for driver_ended
-        shakedown run --resume cut
-        expect_code 0 $?
-        expect_same_run whole cut
+        same_in_process --set "coupling.scheme=$scheme" --set coupling.interval_steps=7
     done
 }
 
