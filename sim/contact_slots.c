@@ -3,153 +3,8 @@
 #include <string.h>
 
 #include "sim/contacts.h"
+#include "sim/deal.h"
 #include "sim/memory.h"
-
-/* Pairs are dealt out to their members so that the SET_WIDTH particles of a block have about as many each, for slots
- * that stay empty cost as much as full ones. */
-struct deal {
-    const struct contact_list *pairs;
-    int n_particles, n_blocks;
-    int32_t *of_j;    /* [count] 1: the pair is j's, 0: it is i's */
-    int32_t *n_own;   /* [n_particles] pairs that a particle has */
-    int32_t *planned; /* [n_blocks] sets */
-    int32_t *first;   /* [n_particles + 1] range in `pair`: the pairs that a particle is in */
-    int32_t *pair;    /* [2 count] */
-    int32_t *seen;    /* [n_particles] by which search */
-    int32_t *through; /* [n_particles] the pair that led there */
-    int32_t *queue;   /* [SEARCH_MAX] */
-    int32_t *set;     /* [n_blocks + 1] first set */
-};
-enum { SEARCH_MAX = 128 };
-
-static enum status deal_init(struct deal *deal, struct contact_list *pairs, int n_particles)
-{
-    const size_t m = (size_t)pairs->count, n = (size_t)n_particles;
-    const size_t blocks = (n + SET_WIDTH - 1) / SET_WIDTH, size = 3 * m + 4 * n + 2 * blocks + SEARCH_MAX + 2;
-    if (size > pairs->scratch_size) {
-        TRY(array_resize(&pairs->scratch, sizeof(int32_t), size + size / 8, 0));
-        pairs->scratch_size = size + size / 8;
-    }
-    int32_t *at = pairs->scratch;
-    *deal = (struct deal){.pairs = pairs, .n_particles = n_particles, .n_blocks = (int)blocks};
-    deal->of_j = at;
-    deal->pair = at += m;
-    deal->n_own = at += 2 * m;
-    deal->seen = at += n;
-    deal->through = at += n;
-    deal->first = at += n;
-    deal->planned = at += n + 1;
-    deal->set = at += blocks;
-    deal->queue = at + blocks + 1;
-    return STATUS_OK;
-}
-
-static int excess(const struct deal *deal, int particle)
-{
-    return deal->n_own[particle] - deal->planned[particle / SET_WIDTH];
-}
-
-/* Which pairs each particle is in, and from that how many sets each block should have: half its pairs' ends, and the
- * rounding is passed on, so that blocks of 2 and of 3 sets take turns if 2.5 are needed. */
-static void plan(struct deal *deal)
-{
-    const struct contact_list *pairs = deal->pairs;
-    int32_t *first = deal->first;
-    memset(first, 0, (size_t)(deal->n_particles + 1) * sizeof *first);
-    for (int k = 0; k < pairs->count; k++) {
-        first[pairs->i[k]]++;
-        first[pairs->j[k]]++;
-    }
-    for (int i = 1; i <= deal->n_particles; i++)
-        first[i] += first[i - 1];
-    for (int k = pairs->count - 1; k >= 0; k--) { /* from the back, so that first[i] ends where i's pairs start */
-        deal->pair[--first[pairs->i[k]]] = k;
-        deal->pair[--first[pairs->j[k]]] = k;
-    }
-    const double spare = 1.01;
-    double wanted = 0.5;
-    for (int b = 0; b < deal->n_blocks; b++) {
-        int end = (b + 1) * SET_WIDTH < deal->n_particles ? (b + 1) * SET_WIDTH : deal->n_particles;
-        wanted += spare * (first[end] - first[b * SET_WIDTH]) / (2.0 * SET_WIDTH);
-        deal->planned[b] = (int32_t)wanted;
-        wanted -= deal->planned[b];
-    }
-}
-
-static void deal_greedily(struct deal *deal)
-{
-    const struct contact_list *pairs = deal->pairs;
-    memset(deal->n_own, 0, (size_t)deal->n_particles * sizeof *deal->n_own);
-    for (int k = 0; k < pairs->count; k++) {
-        int i = pairs->i[k], j = pairs->j[k];
-        deal->of_j[k] = excess(deal, j) < excess(deal, i);
-        deal->n_own[deal->of_j[k] ? j : i]++;
-    }
-}
-
-/* Passes one pair on from `from` along a chain of particles that each pass one on, to one that has room; the nearest
- * first. False if none is found. */
-static bool pass_on(struct deal *deal, int from, int search)
-{
-    const struct contact_list *pairs = deal->pairs;
-    const int most = pairs->search_max > 0 && pairs->search_max < SEARCH_MAX ? pairs->search_max : SEARCH_MAX;
-    int n = 0;
-    deal->queue[n++] = from;
-    deal->seen[from] = search;
-    for (int q = 0; q < n; q++) {
-        int at = deal->queue[q];
-        for (int m = deal->first[at]; m < deal->first[at + 1]; m++) {
-            int k = deal->pair[m], i = pairs->i[k], j = pairs->j[k];
-            int next = at == i ? j : i;
-            if ((deal->of_j[k] ? j : i) != at || deal->seen[next] == search)
-                continue;
-            deal->seen[next] = search;
-            deal->through[next] = k;
-            if (excess(deal, next) < 0) {
-                deal->n_own[next]++;
-                deal->n_own[from]--;
-                while (next != from) {
-                    k = deal->through[next];
-                    next = next == pairs->i[k] ? pairs->j[k] : pairs->i[k];
-                    deal->of_j[k] ^= 1;
-                }
-                return true;
-            }
-            if (n < most)
-                deal->queue[n++] = next;
-        }
-    }
-    return false;
-}
-
-static void even_out(struct deal *deal)
-{
-    int search = 0;
-    memset(deal->seen, 0, (size_t)deal->n_particles * sizeof *deal->seen);
-    for (int i = 0; i < deal->n_particles; i++)
-        while (excess(deal, i) > 0)
-            if (!pass_on(deal, i, ++search))
-                deal->planned[i / SET_WIDTH]++;
-}
-
-/* Gives each pair its slot; the sets of a block follow each other. */
-static void number_slots(struct deal *deal, struct contact_list *list)
-{
-    memset(deal->planned, 0, (size_t)deal->n_blocks * sizeof *deal->planned);
-    for (int i = 0; i < deal->n_particles; i++)
-        if (deal->n_own[i] > deal->planned[i / SET_WIDTH])
-            deal->planned[i / SET_WIDTH] = deal->n_own[i];
-    deal->set[0] = 0;
-    for (int b = 0; b < deal->n_blocks; b++)
-        deal->set[b + 1] = deal->set[b] + deal->planned[b];
-    memset(deal->n_own, 0, (size_t)deal->n_particles * sizeof *deal->n_own);
-    for (int k = 0; k < list->count; k++) {
-        int owner = deal->of_j[k] ? list->j[k] : list->i[k];
-        int set = deal->set[owner / SET_WIDTH] + deal->n_own[owner]++;
-        list->slot[k] = 2 * (uint32_t)(set * SET_WIDTH + owner % SET_WIDTH) + (uint32_t)deal->of_j[k];
-    }
-    list->n_sets = deal->set[deal->n_blocks];
-}
 
 static enum status slots_reserve(struct contact_list *list)
 {
@@ -244,14 +99,10 @@ static enum status assign(struct contact_list *list, bool wall, int n_particles)
             list->slot[k] = 2 * (uint32_t)k;
         return slots_reserve(list);
     }
-    TRY(deal_init(&deal, list, n_particles));
-    plan(&deal);
-    deal_greedily(&deal);
-    even_out(&deal);
-    number_slots(&deal, list);
+    TRY(deal_pairs(list, n_particles, &deal));
     TRY(slots_reserve(list));
     for (int b = 0; b < deal.n_blocks; b++)
-        for (int set = deal.set[b]; set < deal.set[b + 1]; set++)
+        for (int set = deal.first[b]; set < deal.first[b + 1]; set++)
             list->slots.first[set] = (uint32_t)(SET_WIDTH * b);
     return STATUS_OK;
 }

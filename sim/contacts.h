@@ -62,7 +62,7 @@ struct contact_list {
     bool hysteretic;
     bool single;      /* the kernels keep the history in float */
     bool closed;      /* the kernels have the history */
-    int search_max;   /* particles that contact_list_close looks at to fill sets evenly; 0: as many as pay for long */
+    int search_max;   /* particles asked for room before a set is added (deal.c); 0: as many as ever pay */
     int n_sets;       /* that the kernels go through; set by contact_list_close */
     uint32_t *slot;   /* [count] where the kernels have it: twice the slot, 1 more if that is j's */
     int32_t *scratch; /* of contact_list_close */

@@ -241,8 +241,8 @@ void neighbor_tune(struct neighbor *nb, const struct particles *p, const struct 
 
 int neighbor_search_max(const struct neighbor *nb, int64_t step)
 {
-    const int64_t long_life = 500;
-    return step - nb->built_step < long_life ? 12 : 0;
+    const int64_t least = 12, most = 4096, visits = (step - nb->built_step) / 4;
+    return (int)(visits < least ? least : visits < most ? visits : most);
 }
 
 bool neighbor_is_wide(const struct neighbor *nb, const struct particles *p, const struct wall *walls, int n_walls,

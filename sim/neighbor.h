@@ -44,8 +44,8 @@ enum status neighbor_build(struct neighbor *neighbor, struct particles *particle
 void neighbor_tune(struct neighbor *neighbor, const struct particles *particles, const struct wall *walls, int n_walls,
                    int64_t step);
 
-/* How hard to look for an even filling of the sets (contact_list.search_max) in a build at `step`: little if the last
- * lists did not live long. */
+/* How hard to look for an even filling of the sets (contact_list.search_max) in a build at `step`: the harder, the
+ * longer the last lists lived. */
 int neighbor_search_max(const struct neighbor *neighbor, int64_t step);
 
 /* Whether the skin has turned out far too wide, so that a build is worth its cost. Looked at ever more seldom. */

@@ -1,0 +1,247 @@
+#include "sim/deal.h"
+
+#include <string.h>
+
+#include "sim/memory.h"
+
+/* Each particle has a column in a table, with a place for each set of its block, and pairs are put in as keys are into
+ * a hash table with two choices for each ("cuckoo hashing"): if the columns of both members are full, one takes the
+ * pair and passes another of its pairs on to that one's other member, and so on. */
+struct column {
+    int32_t start, next; /* its first and its next free place in the table, SET_WIDTH apart */
+    int32_t room;        /* free places */
+    int32_t left;        /* pairs of the particle that are still to be dealt out */
+    int32_t seen;        /* by which search */
+    int32_t unused[3];   /* half a cache line */
+};
+
+/* What a place holds. */
+struct entry {
+    int32_t pair, other; /* member of the list, and which of its particles this column is not */
+};
+
+/* A column that a search has come to. */
+struct visit {
+    int owner;
+    int from, place; /* whose place led here; not for the first two */
+};
+
+/* Sets that a block may get beyond those planned, and columns that pay at most, however long the list lives. */
+enum { SPARE_SETS = 2, VISITS_MAX = 256 };
+
+struct table {
+    int n_particles, n_blocks;
+    struct column *column; /* [n_particles] */
+    int32_t *planned;      /* [n_blocks] sets */
+    int32_t *start;        /* [n_blocks + 1] the block's first place in the table */
+    int32_t *first;        /* as in struct deal */
+    struct entry *entry;   /* [start[n_blocks]] set by set */
+    struct entry *over;    /* [n_over] pairs that the table has no place for, and who has them */
+    int n_over;
+    int n_searches, visits_max;
+    struct visit visit[VISITS_MAX];
+};
+
+/* Working memory of the list, first without, then with the table's `places`; what stands before them is kept. */
+static enum status lay_out(struct table *t, struct contact_list *list, size_t places)
+{
+    const size_t column = sizeof *t->column / sizeof(int32_t) * (size_t)t->n_particles;
+    const size_t blocks = (size_t)t->n_blocks, even = blocks + blocks % 2;
+    const size_t before = column + 3 * even + 4 + 2 * (size_t)list->count, size = before + 2 * places;
+    if (size > list->scratch_size) {
+        TRY(array_resize(&list->scratch, sizeof(int32_t), size + size / 8, places ? before : 0));
+        list->scratch_size = size + size / 8;
+    }
+    t->column = (struct column *)list->scratch;
+    t->planned = list->scratch + column;
+    t->start = t->planned + even;
+    t->first = t->start + even + 2;
+    t->over = (struct entry *)(t->first + even + 2);
+    t->entry = t->over + list->count;
+    return STATUS_OK;
+}
+
+static void count_pairs(struct table *t, const struct contact_list *list)
+{
+    memset(t->column, 0, (size_t)t->n_particles * sizeof *t->column);
+    for (int k = 0; k < list->count; k++) {
+        t->column[list->i[k]].left++;
+        t->column[list->j[k]].left++;
+    }
+}
+
+/* Sets that block b should have, given what it is owed: half the ends of the pairs dealt with so far, and a hundredth,
+ * less the places found for them [1/200 of a place]. No particle fills more places than it has pairs; what would be
+ * mostly empty is left to the blocks to come. */
+static int plan_block(const struct table *t, int b, int lanes, int64_t *owed)
+{
+    enum { OWED_PER_END = 101, OWED_PER_PLACE = 200, COUNTED = 64 };
+    const struct column *column = t->column + SET_WIDTH * b;
+    int of_length[COUNTED] = {0}, sets = 0, filled = lanes;
+    for (int l = 0; l < lanes; l++) {
+        *owed += (int64_t)OWED_PER_END * column[l].left;
+        of_length[column[l].left < COUNTED ? column[l].left : COUNTED - 1]++;
+    }
+    filled -= of_length[0];
+    while (2 * *owed > OWED_PER_PLACE * filled && 2 * filled >= lanes && sets < COUNTED - 1) {
+        *owed -= OWED_PER_PLACE * filled;
+        filled -= of_length[++sets];
+    }
+    return sets;
+}
+
+static int lanes_of(const struct table *t, int b)
+{
+    const int rest = t->n_particles - SET_WIDTH * b;
+    return rest < SET_WIDTH ? rest : SET_WIDTH;
+}
+
+static void plan(struct table *t)
+{
+    int64_t owed = 0;
+    t->start[0] = 0;
+    for (int b = 0; b < t->n_blocks; b++) {
+        const int lanes = lanes_of(t, b), sets = plan_block(t, b, lanes, &owed);
+        t->planned[b] = sets;
+        t->start[b + 1] = t->start[b] + SET_WIDTH * (sets + SPARE_SETS);
+        for (int l = 0; l < lanes; l++) {
+            t->column[SET_WIDTH * b + l].room = sets;
+            t->column[SET_WIDTH * b + l].start = t->column[SET_WIDTH * b + l].next = t->start[b] + l;
+        }
+    }
+}
+
+static void put(struct table *t, int owner, struct entry entry)
+{
+    struct column *column = &t->column[owner];
+    t->entry[column->next] = entry;
+    column->next += SET_WIDTH;
+    column->room--;
+}
+
+/* One more set for the block of `owner`, who has no room; or a place beyond the table. */
+static void put_beyond(struct table *t, int owner, struct entry entry)
+{
+    const int b = owner / SET_WIDTH, lanes = lanes_of(t, b);
+    if (t->start[b] + SET_WIDTH * (t->planned[b] + 1) > t->start[b + 1]) {
+        t->over[t->n_over++] = (struct entry){entry.pair, owner};
+        return;
+    }
+    t->planned[b]++;
+    for (int l = 0; l < lanes; l++)
+        t->column[SET_WIDTH * b + l].room++;
+    put(t, owner, entry);
+}
+
+/* The pair at `at`, in the column of visit v, goes to its other member, that of the place that led to v comes here, and
+ * so on back to one of the first two visits, where there is a place then for `pair`. */
+static void pass_along(struct table *t, int v, int at, int pair)
+{
+    struct entry moved = t->entry[at];
+    put(t, moved.other, (struct entry){moved.pair, t->visit[v].owner});
+    for (; v >= 2; v = t->visit[v].from) {
+        const int before = t->visit[v].place;
+        t->entry[at] = (struct entry){t->entry[before].pair, t->visit[t->visit[v].from].owner};
+        at = before;
+    }
+    t->entry[at] = (struct entry){pair, t->visit[1 - v].owner};
+}
+
+/* Both members of a pair are full: looks for the shortest chain of columns that pass pairs on, to one with room. */
+static void pass_on(struct table *t, int pair, int i, int j)
+{
+    int n = 2;
+    t->visit[0].owner = i;
+    t->visit[1].owner = j;
+    t->column[i].seen = t->column[j].seen = ++t->n_searches;
+    for (int v = 0; v < n; v++) {
+        const struct column *column = &t->column[t->visit[v].owner];
+        for (int at = column->start; at < column->next; at += SET_WIDTH) {
+            const int other = t->entry[at].other;
+            if (t->column[other].room > 0) {
+                pass_along(t, v, at, pair);
+                return;
+            }
+            if (t->column[other].seen != t->n_searches && n < t->visits_max) {
+                t->column[other].seen = t->n_searches;
+                t->visit[n++] = (struct visit){other, v, at};
+            }
+        }
+    }
+    put_beyond(t, i, (struct entry){pair, j});
+}
+
+/* A pair goes to the member that has more places to fill for each pair to come. */
+static void deal_out(struct table *t, const struct contact_list *list)
+{
+    t->n_over = 0;
+    for (int k = 0; k < list->count; k++) {
+        const int i = list->i[k], j = list->j[k];
+        struct column *of_i = &t->column[i], *of_j = &t->column[j];
+        const bool to_j = (int64_t)of_j->room * of_i->left > (int64_t)of_i->room * of_j->left;
+        const int owner = to_j ? j : i;
+        of_i->left--;
+        of_j->left--;
+        if (t->column[owner].room > 0)
+            put(t, owner, (struct entry){k, to_j ? i : j});
+        else
+            pass_on(t, k, i, j);
+    }
+}
+
+static uint32_t slot_of(int set, int owner, int other)
+{
+    return 2 * (uint32_t)(set * SET_WIDTH + owner % SET_WIDTH) + (owner > other);
+}
+
+/* Sets of a block: as many as its longest column needs. */
+static void number_sets(struct table *t)
+{
+    for (int q = 0; q < t->n_particles; q++) /* from here on `left` counts what is beyond the table */
+        t->column[q].left = 0;
+    for (int m = 0; m < t->n_over; m++)
+        t->column[t->over[m].other].left++;
+    t->first[0] = 0;
+    for (int b = 0; b < t->n_blocks; b++) {
+        int most = 0;
+        for (int l = 0; l < lanes_of(t, b); l++) {
+            const struct column *column = &t->column[SET_WIDTH * b + l];
+            int length = (column->next - column->start) / SET_WIDTH + column->left;
+            most = length > most ? length : most;
+        }
+        t->first[b + 1] = t->first[b] + most;
+    }
+}
+
+static void number_slots(const struct table *t, struct contact_list *list)
+{
+    for (int b = 0; b < t->n_blocks; b++)
+        for (int l = 0; l < lanes_of(t, b); l++) {
+            const struct column *column = &t->column[SET_WIDTH * b + l];
+            int set = t->first[b];
+            for (int at = column->start; at < column->next; at += SET_WIDTH)
+                list->slot[t->entry[at].pair] = slot_of(set++, SET_WIDTH * b + l, t->entry[at].other);
+        }
+    for (int m = 0; m < t->n_over; m++) {
+        const int k = t->over[m].pair, owner = t->over[m].other, b = owner / SET_WIDTH;
+        struct column *column = &t->column[owner];
+        const int place = (column->next - column->start) / SET_WIDTH + --column->left;
+        list->slot[k] = slot_of(t->first[b] + place, owner, list->i[k] + list->j[k] - owner);
+    }
+    list->n_sets = t->first[t->n_blocks];
+}
+
+enum status deal_pairs(struct contact_list *list, int n_particles, struct deal *deal)
+{
+    struct table t = {.n_particles = n_particles, .n_blocks = (n_particles + SET_WIDTH - 1) / SET_WIDTH};
+    t.visits_max = list->search_max > 0 && list->search_max < VISITS_MAX ? list->search_max : VISITS_MAX;
+    TRY(lay_out(&t, list, 0));
+    count_pairs(&t, list);
+    plan(&t);
+    TRY(lay_out(&t, list, (size_t)t.start[t.n_blocks]));
+    deal_out(&t, list);
+    number_sets(&t);
+    number_slots(&t, list);
+    *deal = (struct deal){.n_blocks = t.n_blocks, .first = t.first};
+    return STATUS_OK;
+}

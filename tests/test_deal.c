@@ -1,0 +1,150 @@
+/* Who gets the pairs of a list: each pair one slot of its own in the column of one of its members, sets block by block,
+ * hardly a slot empty in a packing, and lists that no table is laid out for. */
+#include "sim_fixture.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/deal.h"
+#include "sim/random.h"
+
+static struct contact_list list_of(int capacity)
+{
+    struct contact_list list = {.count = 0};
+    must(contact_list_reserve(&list, capacity + 1, 2));
+    return list;
+}
+
+static void add(struct contact_list *list, int a, int b)
+{
+    list->i[list->count] = a < b ? a : b;
+    list->j[list->count++] = a < b ? b : a;
+}
+
+static int owner_of(const struct contact_list *list, int k)
+{
+    return list->slot[k] % 2 ? list->j[k] : list->i[k];
+}
+
+/* Deals the list out, checks the slots and returns the number of sets. */
+static int check_deal(struct contact_list *list, int n_particles)
+{
+    struct deal deal;
+    must(deal_pairs(list, n_particles, &deal));
+    assert_int_equal(deal.n_blocks, (n_particles + SET_WIDTH - 1) / SET_WIDTH);
+    assert_int_equal(deal.first[0], 0);
+    assert_int_equal(deal.first[deal.n_blocks], list->n_sets);
+    bool *taken = calloc((size_t)list->n_sets * SET_WIDTH + 1, sizeof *taken), *used = calloc(list->n_sets + 1u, 1);
+    assert_true(taken && used);
+    for (int k = 0; k < list->count; k++) {
+        const int slot = (int)(list->slot[k] / 2), set = slot / SET_WIDTH, owner = owner_of(list, k);
+        assert_in_range(set, deal.first[owner / SET_WIDTH], deal.first[owner / SET_WIDTH + 1] - 1);
+        assert_int_equal(slot % SET_WIDTH, owner % SET_WIDTH);
+        assert_false(taken[slot]);
+        taken[slot] = used[set] = true;
+    }
+    for (int set = 0; set < list->n_sets; set++)
+        assert_true(used[set]);
+    free(taken);
+    free(used);
+    return list->n_sets;
+}
+
+/* Again, with other working memory: the same slots. */
+static void check_repeats(const struct contact_list *list, int n_particles)
+{
+    struct contact_list again = list_of(list->count);
+    struct deal deal;
+    for (int k = 0; k < list->count; k++)
+        add(&again, list->i[k], list->j[k]);
+    again.search_max = list->search_max;
+    for (int round = 0; round < 2; round++) {
+        must(deal_pairs(&again, n_particles, &deal));
+        assert_memory_equal(again.slot, list->slot, (size_t)list->count * sizeof *list->slot);
+    }
+    contact_list_free(&again);
+}
+
+/* A triangular lattice without a third of its pairs, two a particle. */
+static struct contact_list lattice(int side)
+{
+    struct contact_list list = list_of(3 * side * side);
+    struct random random;
+    random_init(&random, 5);
+    for (int i = 0; i < side * side; i++) {
+        const int to[] = {i + 1, i + side, i + side + 1};
+        for (int n = 0; n < 3; n++)
+            if (to[n] < side * side && (n == 1 || i % side + 1 < side) && 3 * random_uniform(&random) < 2)
+                add(&list, i, to[n]);
+    }
+    return list;
+}
+
+/* The longer the searches, the fuller; the shortest asks the partners of the two members only. */
+static void a_lattice_fills_its_sets(void **state)
+{
+    static const int visits[] = {1, 12, 0};
+    static const double filled[] = {0.85, 0.9, 0.94};
+    (void)state;
+    for (int n = 0; n < 3; n++) {
+        struct contact_list list = lattice(64);
+        list.search_max = visits[n];
+        int sets = check_deal(&list, 64 * 64);
+        double part = (double)list.count / (sets * SET_WIDTH);
+        print_message("%d visits: %.3f filled\n", visits[n], part);
+        assert_true(part > filled[n] && part <= 1);
+        check_repeats(&list, 64 * 64);
+        contact_list_free(&list);
+    }
+}
+
+/* Random graphs of any density, with particles that have no pair, and pairs that are there twice. */
+static void every_pair_has_one_slot(void **state)
+{
+    static const int count[] = {2, 3, 15, 16, 17, 33, 200};
+    (void)state;
+    struct random random;
+    random_init(&random, 3);
+    for (int c = 0; c < 7; c++)
+        for (int pairs = 1; pairs <= 4096; pairs *= 4) {
+            struct contact_list list = list_of(pairs);
+            for (int k = 0; k < pairs; k++) {
+                int a = (int)(random_uniform(&random) * count[c]), b = (int)(random_uniform(&random) * (count[c] - 1));
+                add(&list, a, b + (b >= a));
+            }
+            list.search_max = pairs % 3 ? 12 : 0;
+            check_deal(&list, count[c]);
+            check_repeats(&list, count[c]);
+            contact_list_free(&list);
+        }
+}
+
+/* One particle in all pairs, and all with all: far more than is planned for a block. */
+static void crowded_blocks_get_their_sets(void **state)
+{
+    enum { STAR = 3000, CROWD = 200 };
+    (void)state;
+    struct contact_list star = list_of(STAR), crowd = list_of(CROWD * CROWD / 2);
+    for (int k = 1; k <= STAR; k++)
+        add(&star, 0, k);
+    int sets = check_deal(&star, STAR + 1);
+    assert_true(sets <= (STAR + SET_WIDTH) / SET_WIDTH); /* one for each block: the others have them */
+    for (int a = 0; a < CROWD; a++)
+        for (int b = 0; b < a; b++)
+            add(&crowd, b, a);
+    sets = check_deal(&crowd, CROWD);
+    assert_true(crowd.count > 0.8 * sets * SET_WIDTH);
+    check_repeats(&crowd, CROWD);
+    contact_list_free(&star);
+    contact_list_free(&crowd);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_lattice_fills_its_sets),
+        cmocka_unit_test(every_pair_has_one_slot),
+        cmocka_unit_test(crowded_blocks_get_their_sets),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
