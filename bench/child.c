@@ -22,6 +22,8 @@ static void become(const struct child *child)
     int log = open(child->log, O_WRONLY | O_CREAT | O_TRUNC, 0644), nothing = open("/dev/null", O_RDONLY);
     if (log < 0 || nothing < 0 || dup2(nothing, 0) < 0 || dup2(log, 1) < 0 || dup2(log, 2) < 0)
         _exit(126);
+    if (child->folder && chdir(child->folder) != 0)
+        _exit(126);
     if (child->variable && setenv(child->variable, child->value, 1) != 0)
         _exit(126);
     /* argv is not written to: execvp's type is older than const */

@@ -9,6 +9,7 @@
 struct child {
     const char *const *argv; /* NULL at the end; argv[0] is looked up in PATH */
     const char *log;         /* stdout and stderr go there */
+    const char *folder;      /* works there, once its log is open; NULL: here */
     const char *variable;    /* environment: this one is set to `value`, NULL: none */
     const char *value;
     double cpu_s;  /* result: time in user mode and in the system */

@@ -6,28 +6,10 @@
 # In a network namespace of its own. --quick: in two minutes; --out keeps the prepared samples for the next time;
 # --lock: holds these files' locks (as flock) while it takes times.
 set -euo pipefail
-root=$(readlink -f "${BASH_SOURCE[0]%/*}/..")
-bin=${SHAKEDOWN_BIN:-$root/build}
+# shellcheck source=bench/options.sh
+source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
 
-out='' options=()
-while [ $# -gt 0 ]; do
-    case $1 in
-        --quick) options+=("$1") ;;
-        --out | --scene | --json | --plot | --scheme | --lock | --set)
-            [ $# -ge 2 ] || { echo "bench coupling: $1 needs a value" >&2 && exit 2; }
-            if [ "$1" = --out ]; then out=$2; else options+=("$1" "$2"); fi
-            shift
-            ;;
-        *)
-            echo "bench coupling: unknown option $1; see the head of $0" >&2
-            exit 2
-            ;;
-    esac
-    shift
-done
-if [ -z "$out" ]; then
-    out=$(mktemp -d)
-    trap 'rm -rf "$out"' EXIT
-fi
+read_options --quick '--out --scene --json --plot --scheme --lock --set' --out "$@"
+take_out
 "$root/tests/in_namespace.sh" "$bin/bench/bench_coupling" --bin "$bin" --scenes "$root/scenes" --out "$out" \
     "${options[@]}"

@@ -2,5 +2,6 @@
 # Nanoseconds per contact or particle of every kernel, model, precision and instruction set, and its error:
 # ./shakedown bench kernels [--json FILE]
 set -euo pipefail
-root=$(dirname "$(readlink -f "$0")")/..
-exec "${SHAKEDOWN_BIN:-$root/build}/bench/bench_kernels" "$@"
+# shellcheck source=bench/options.sh
+source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
+exec "$bin/bench/bench_kernels" "$@"

@@ -28,7 +28,8 @@ struct peers_work {
  * world, which is of that scene. */
 struct peer_input peers_input_of(const struct scene *scene, const struct world *world);
 
-/* Writes the packing and the script, runs the peer, leaves its log in FOLDER/NAME.log. `input`->data is set. */
+/* Writes the packing and the script, runs the peer in the folder (it leaves a log of its own wherever it runs), with
+ * what it says in FOLDER/NAME.log. `input`->data is set; `input`->dump is a name in the folder. */
 enum status peers_run(struct peer_input *input, const struct world *world, const char *folder,
                       const char *name) MUST_USE;
 

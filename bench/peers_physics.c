@@ -144,7 +144,7 @@ static enum status run_peer(const struct trial *trial, const struct scene *scene
     snprintf(dump, sizeof dump, "%s/dump", folder);
     input.peer = trial->peer;
     input.law = trial->law;
-    input.dump = dump;
+    input.dump = "dump";
     input.gamma_b = 0;
     input.steps = trial->steps;
     input.restitution = 1;

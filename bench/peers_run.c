@@ -1,5 +1,6 @@
 /* A scene as a peer is told it, and a run of the peer. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "bench/child.h"
 #include "bench/peers_bench.h"
@@ -41,9 +42,10 @@ struct peer_input peers_input_of(const struct scene *scene, const struct world *
     return input;
 }
 
-static enum status write_files(const struct peer_input *input, const struct world *world, const char *script)
+static enum status write_files(const struct peer_input *input, const struct world *world, const char *data_path,
+                               const char *script)
 {
-    FILE *data = fopen(input->data, "w"), *in = fopen(script, "w");
+    FILE *data = fopen(data_path, "w"), *in = fopen(script, "w");
     bool good = data && in;
     if (good) {
         peers_write_data(data, input->peer, world);
@@ -51,7 +53,7 @@ static enum status write_files(const struct peer_input *input, const struct worl
     }
     good = (!data || fclose(data) == 0) && good;
     good = (!in || fclose(in) == 0) && good;
-    return good ? STATUS_OK : status_fail(STATUS_IO, "%s or %s cannot be written", input->data, script);
+    return good ? STATUS_OK : status_fail(STATUS_IO, "%s or %s cannot be written", data_path, script);
 }
 
 enum status peers_run(struct peer_input *input, const struct world *world, const char *folder, const char *name)
@@ -60,11 +62,12 @@ enum status peers_run(struct peer_input *input, const struct world *world, const
     snprintf(data, sizeof data, "%s/%s.data", folder, name);
     snprintf(script, sizeof script, "%s/%s.in", folder, name);
     snprintf(log, sizeof log, "%s/%s.log", folder, name);
-    input->data = data;
-    enum status status = write_files(input, world, script);
+    input->data = strrchr(data, '/') + 1;
+    enum status status = write_files(input, world, data, script);
     if (status == STATUS_OK) {
-        const char *const argv[] = {PROGRAM[input->peer], "-in", script, "-log", "none", "-nocite", NULL};
-        struct child child = {.argv = argv, .log = log, .variable = "OMP_NUM_THREADS", .value = "1"};
+        const char *const argv[] = {
+            PROGRAM[input->peer], "-in", strrchr(script, '/') + 1, "-log", "none", "-nocite", NULL};
+        struct child child = {.argv = argv, .log = log, .folder = folder, .variable = "OMP_NUM_THREADS", .value = "1"};
         status = child_run(&child);
     }
     input->data = NULL;

@@ -3,18 +3,17 @@
 # ./shakedown bench scene [SCENE] [--json FILE] [--out FOLDER] [--set KEY=VALUE]...
 # --out keeps the prepared sample for the next time.
 set -euo pipefail
-root=$(dirname "$(readlink -f "$0")")/..
-bin=${SHAKEDOWN_BIN:-$root/build}
+# shellcheck source=bench/options.sh
+source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
+
+scene=$root/scenes/biaxial.cfg
 case ${1:-} in
-    '' | -*) set -- "$root/scenes/biaxial.cfg" "$@" ;;
-esac
-out=''
-case " $* " in
-    *' --out '*) ;;
+    '' | -*) ;;
     *)
-        out=$(mktemp -d)
-        trap 'rm -rf "$out"' EXIT
-        set -- "$@" --out "$out"
+        scene=$1
+        shift
         ;;
 esac
-"$bin/bench/bench_scene" "$@" --sim "$bin/sim/sim"
+read_options '' '--out --json --set' --out "$@"
+take_out
+"$bin/bench/bench_scene" "$scene" --out "$out" "${options[@]}" --sim "$bin/sim/sim"

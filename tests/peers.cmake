@@ -1,6 +1,6 @@
 # The benchmark against peers and the one of accuracy: what they write, read and compute. The peers are not needed.
-add_executable(test_peers ${CMAKE_CURRENT_LIST_DIR}/test_peers.c)
-target_link_libraries(test_peers PRIVATE sim_fixture shakedown_bench)
+add_executable(test_peers ${CMAKE_CURRENT_LIST_DIR}/test_peers.c ${PROJECT_SOURCE_DIR}/bench/peers_run.c)
+target_link_libraries(test_peers PRIVATE sim_fixture shakedown_bench PkgConfig::JANSSON)
 add_test(NAME bench_peers COMMAND test_peers)
 set_tests_properties(bench_peers PROPERTIES LABELS unit TIMEOUT 30)
 

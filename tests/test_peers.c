@@ -3,8 +3,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-#include "bench/peers_input.h"
+#include "bench/child.h"
+#include "bench/peers_bench.h"
 #include "bench/peers_output.h"
 #include "bench/prepare.h"
 #include "sim_fixture.h"
@@ -297,6 +300,51 @@ static void contacts_forget(void **state)
     fixture_close(&f);
 }
 
+/* A peer that writes down its packing and leaves a log where it runs, as LIGGGHTS does whatever it is told. */
+static const char FAKE_PEER[] = "#!/bin/sh\n"
+                                "echo left >log.peer && [ -f physics.data ] && cat \"$2\"\n";
+
+static void write_fake(const char *folder)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/lmp", folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_true(fputs(FAKE_PEER, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(chmod(path, 0755), 0);
+}
+
+/* The folder is told relative to the current one, and what the peer leaves is in it. */
+static void a_peer_runs_in_its_folder(void **state)
+{
+    static const char *const files[] = {"log.peer", "physics.data", "physics.in", "physics.log"};
+    struct fixture_options options = {.dimension = 2, .count = 3, .material = "kn_n_per_m = 1e3;", .dt_s = 1e-6};
+    struct fixture f = fixture_open(&options);
+    struct peer_input input = two_dimensions(PEER_LAMMPS, PEER_HOOKE);
+    char here[] = "/tmp/shakedown-peers-XXXXXX", path[4200], *text;
+    (void)state;
+    assert_non_null(mkdtemp(here));
+    assert_int_equal(chdir(here), 0);
+    must(folder_make("its"));
+    write_fake(here);
+    snprintf(path, sizeof path, "%s:%s", here, getenv("PATH"));
+    assert_int_equal(setenv("PATH", path, 1), 0);
+    must(peers_run(&input, f.world, "its", "physics"));
+    must(file_read("its/physics.log", &text));
+    assert_non_null(strstr(text, "read_data physics.data\n"));
+    free(text);
+    for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
+        snprintf(path, sizeof path, "its/%s", files[k]);
+        assert_int_equal(remove(path), 0);
+    }
+    assert_int_equal(remove("lmp"), 0);
+    assert_int_equal(remove("its"), 0);
+    assert_int_equal(remove(here), 0); /* nothing else was left */
+    assert_int_equal(chdir("/"), 0);
+    fixture_close(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -305,7 +353,7 @@ int main(void)
         cmocka_unit_test(time_of_the_last_loop),     cmocka_unit_test(logs_without_a_time_are_refused),
         cmocka_unit_test(dump_gives_the_last_state), cmocka_unit_test(broken_dumps_are_refused),
         cmocka_unit_test(difference_of_states),      cmocka_unit_test(last_stage_alone),
-        cmocka_unit_test(contacts_forget),
+        cmocka_unit_test(contacts_forget),           cmocka_unit_test(a_peer_runs_in_its_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
