@@ -6,7 +6,7 @@
 # --quick: in a minute; --out keeps the prepared samples for the next time; --through: every run is
 # started by it; --from: no runs, the results in FILE (of --json) are plotted.
 set -euo pipefail
-# shellcheck source=bench/options.sh
+# shellcheck source=options.sh
 source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
 
 read_options --quick '--out --scene --json --plot --from --through --set' --out "$@"

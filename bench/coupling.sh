@@ -6,7 +6,7 @@
 # In a network namespace of its own. --quick: in two minutes; --out keeps the prepared samples for the next time;
 # --lock: holds these files' locks (as flock) while it takes times.
 set -euo pipefail
-# shellcheck source=bench/options.sh
+# shellcheck source=options.sh
 source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
 
 read_options --quick '--out --scene --json --plot --scheme --lock --set' --out "$@"

@@ -2,6 +2,6 @@
 # Nanoseconds per contact or particle of every kernel, model, precision and instruction set, and its error:
 # ./shakedown bench kernels [--json FILE]
 set -euo pipefail
-# shellcheck source=bench/options.sh
+# shellcheck source=options.sh
 source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
 exec "$bin/bench/bench_kernels" "$@"

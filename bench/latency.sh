@@ -2,6 +2,6 @@
 # Where an exchange over the bus spends its time: ./shakedown bench latency [--json FILE] [--rounds N]
 # In a network namespace of its own.
 set -euo pipefail
-# shellcheck source=bench/options.sh
+# shellcheck source=options.sh
 source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
 exec "$root/tests/in_namespace.sh" "$bin/bench/bench_latency" "$@"

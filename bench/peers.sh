@@ -3,7 +3,7 @@
 # ./shakedown bench peers [--install] [--scene A|B] [--reps N] [--out DIR] [--json FILE]
 # --install gets the two from Debian's packages; --out keeps inputs, logs and the prepared samples for the next time.
 set -euo pipefail
-# shellcheck source=bench/options.sh
+# shellcheck source=options.sh
 source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
 
 # The packages of the programs that are not there.

@@ -3,7 +3,7 @@
 # ./shakedown bench scaling [--dimension 2|3] [--counts N,N,...] [--threads T,T,...] [--json FILE] [--plot PNG]
 # The whole of it takes about ten minutes and 2.5 GB of memory. --plot also takes a table printed before: --table FILE.
 set -euo pipefail
-# shellcheck source=bench/options.sh
+# shellcheck source=options.sh
 source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
 
 read_options '' '--dimension --counts --threads --json --plot --table' '--plot --table' "$@"

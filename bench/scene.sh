@@ -3,7 +3,7 @@
 # ./shakedown bench scene [SCENE] [--json FILE] [--out FOLDER] [--set KEY=VALUE]...
 # --out keeps the prepared sample for the next time.
 set -euo pipefail
-# shellcheck source=bench/options.sh
+# shellcheck source=options.sh
 source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
 
 scene=$root/scenes/biaxial.cfg

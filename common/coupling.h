@@ -81,6 +81,10 @@ bool wall_command_decode(const void *data, size_t size, struct message_header *h
 /* Encodes into `buffer` [WALL_MESSAGE_MAX] bytes; returns the size, 0 if it does not fit. */
 enum { WALL_MESSAGE_MAX = 1024 };
 
+/* Exchanges on their way to the recorder: with the window of the records (common/record_stream.c) below the default
+ * receive buffer of a socket. */
+enum { WALLS_WINDOW = 16 };
+
 /* Arrays of doubles behind the count of walls in each message; a command has one of 32-bit integers before them. */
 enum { WALL_STATE_ARRAYS = 9, WALL_COMMAND_ARRAYS = 8 };
 size_t wall_state_encode(const struct wall_state *state, int64_t run_id, int64_t seq, unsigned char *buffer);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/coupling.h"
 #include "common/message.h"
 #include "shakedown_record_ack_t.h"
 
@@ -12,9 +13,6 @@ enum { WINDOW_BYTES = 128 * 1024, WAITING_BYTES_MAX = 64 * 1024 * 1024 };
 enum { HANDLED_PER_SERVICE_MAX = 1024, WAIT_STEP_MS = 5 };
 /* Silence counts as a recorder that is gone only after as many repeats: a sender that seldom looks at its stream must
  * not blame the recorder for its own absence. */
-/* Exchanges on their way to the recorder: with the window of the records still below that buffer. */
-enum { WALLS_WINDOW = 16 };
-static const double WALLS_PATIENCE_S = 0.2;
 enum { REPEATS_BEFORE_TIMEOUT = 3 };
 static const double RESEND_AFTER_S = 0.1;
 
@@ -28,6 +26,12 @@ struct record {
     unsigned char data[];
 };
 
+/* A wall message that may have to be sent again; size 0: none. */
+struct wall_copy {
+    size_t size;
+    unsigned char data[WALL_MESSAGE_MAX];
+};
+
 struct record_stream {
     struct bus *bus;
     void *subscription;
@@ -38,9 +42,12 @@ struct record_stream {
     struct record *to_send; /* first that is not in flight; NULL: all are */
     size_t in_flight_bytes, waiting_bytes;
     int64_t waiting, repeated;
-    int64_t total[RECORD_CHANNELS]; /* published */
-    int64_t acked[RECORD_CHANNELS]; /* the recorder's next_seq */
-    int64_t acked_walls;            /* numbers below are with the recorder, or given up */
+    int64_t total[RECORD_CHANNELS];         /* published */
+    int64_t acked[RECORD_CHANNELS];         /* the recorder's next_seq */
+    struct wall_copy wall[WALLS_WINDOW][2]; /* by seq, modulo the window: state, command */
+    int64_t walls_end;                      /* exchanges below are complete */
+    int64_t acked_walls;                    /* and these are with the recorder */
+    double walls_at_s; /* last acknowledgement of such, or first exchange after none was waiting, or last repeat */
     bool complete, failed;
     double progress_at_s; /* last acknowledgement of something new, or first record after none was waiting */
     double round_at_s;    /* the same, or the last time that everything was sent again */
@@ -93,8 +100,10 @@ static void ack_take(struct record_stream *stream, const shakedown_record_ack_t 
         stream->acked[c] = ack->next_seq[c];
         progress = true;
     }
-    if (ack->next_wall_seq > stream->acked_walls)
+    if (ack->next_wall_seq > stream->acked_walls) {
         stream->acked_walls = ack->next_wall_seq;
+        stream->walls_at_s = clock_now_s();
+    }
     bool complete = ack->complete && stream->total[RECORD_END] > 0;
     progress |= complete && !stream->complete;
     stream->complete |= complete;
@@ -155,10 +164,11 @@ void record_stream_free(struct record_stream *stream)
     free(stream);
 }
 
-void record_stream_resume(struct record_stream *stream, const int64_t total[RECORD_CHANNELS])
+void record_stream_resume(struct record_stream *stream, const int64_t total[RECORD_CHANNELS], int64_t exchanges)
 {
     memcpy(stream->total, total, sizeof stream->total);
     memcpy(stream->acked, total, sizeof stream->acked);
+    stream->walls_end = stream->acked_walls = exchanges;
 }
 
 int64_t record_stream_next_seq(const struct record_stream *stream, enum record_channel channel)
@@ -214,6 +224,23 @@ static enum status window_send(struct record_stream *stream)
     return STATUS_OK;
 }
 
+/* After 100 ms without progress all exchanges that are not acknowledged go out again. */
+static enum status walls_send_again(struct record_stream *stream)
+{
+    static const char *const channel[2] = {CHANNEL_WALL_STATE, CHANNEL_WALL_COMMAND};
+    if (stream->acked_walls >= stream->walls_end || clock_now_s() - stream->walls_at_s < RESEND_AFTER_S)
+        return STATUS_OK;
+    for (int64_t seq = stream->acked_walls; seq < stream->walls_end; seq++) {
+        for (int k = 0; k < 2; k++) {
+            const struct wall_copy *copy = &stream->wall[seq % WALLS_WINDOW][k];
+            TRY(bus_publish(stream->bus, channel[k], copy->data, copy->size));
+            stream->repeated++;
+        }
+    }
+    stream->walls_at_s = clock_now_s();
+    return STATUS_OK;
+}
+
 static enum status ack_timeout(const struct record_stream *stream)
 {
     return status_fail(STATUS_TIMEOUT,
@@ -236,22 +263,40 @@ enum status record_stream_service(struct record_stream *stream)
     if (stream->waiting > 0 && stream->repeats_without_progress >= REPEATS_BEFORE_TIMEOUT &&
         clock_now_s() - stream->progress_at_s > stream->timeout_s)
         return ack_timeout(stream);
+    TRY(walls_send_again(stream));
     return window_send(stream);
 }
 
 enum status record_stream_wait_for_walls(struct record_stream *stream, int64_t seq)
 {
-    const double start_s = clock_now_s();
-    bool handled;
-    if (stream->bus->is_log)
+    if (stream->bus->is_log || seq - stream->acked_walls < WALLS_WINDOW)
         return STATUS_OK;
-    while (seq - stream->acked_walls >= WALLS_WINDOW) {
-        if (clock_now_s() - start_s > WALLS_PATIENCE_S)
-            stream->acked_walls = seq; /* END will tell what is missing */
+    const double deadline_s = clock_now_s() + stream->timeout_s;
+    bool handled;
+    do {
+        if (clock_now_s() > deadline_s)
+            return status_fail(STATUS_TIMEOUT,
+                               "the recorder of run %" PRId64 " acknowledged no wall message for %g s; %" PRId64
+                               " exchanges wait for it",
+                               stream->run_id, stream->timeout_s, seq - stream->acked_walls);
         TRY(bus_handle(stream->bus, WAIT_STEP_MS, &handled));
         TRY(record_stream_service(stream));
-    }
+    } while (seq - stream->acked_walls >= WALLS_WINDOW);
     return STATUS_OK;
+}
+
+void record_stream_keep_wall(struct record_stream *stream, bool command, int64_t seq, const void *data, size_t size)
+{
+    if (stream->bus->is_log || size > WALL_MESSAGE_MAX)
+        return;
+    struct wall_copy *copy = &stream->wall[seq % WALLS_WINDOW][command];
+    copy->size = size;
+    memcpy(copy->data, data, size);
+    if (!command)
+        return;
+    if (stream->acked_walls >= stream->walls_end)
+        stream->walls_at_s = clock_now_s();
+    stream->walls_end = seq + 1;
 }
 
 /* A record whose run or number is not the stream's would never be acknowledged. */

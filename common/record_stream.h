@@ -12,8 +12,9 @@ enum status record_stream_create(struct record_stream **stream, struct bus *bus,
                                  double timeout_s) MUST_USE;
 void record_stream_free(struct record_stream *stream);
 
-/* Goes on after `total` [RECORD_CHANNELS] records, all of them acknowledged; before the first record. */
-void record_stream_resume(struct record_stream *stream, const int64_t total[RECORD_CHANNELS]);
+/* Goes on after `total` [RECORD_CHANNELS] records and `exchanges` of the walls, all of them acknowledged; before the
+ * first record. */
+void record_stream_resume(struct record_stream *stream, const int64_t total[RECORD_CHANNELS], int64_t exchanges);
 
 /* The seq the next record on this channel must carry. */
 int64_t record_stream_next_seq(const struct record_stream *stream, enum record_channel channel);
@@ -26,9 +27,14 @@ enum status record_stream_publish(struct record_stream *stream, enum record_chan
 /* Handles acknowledgements that have come, sends what the window allows, sends again what is late. Never blocks. */
 enum status record_stream_service(struct record_stream *stream) MUST_USE;
 
-/* Before wall messages number `seq` go out, if they are to be recorded: waits until the recorder has all but the last
- * few, so that its socket does not overflow; for a while only, as one that was lost is not sent again. */
+/* For wall messages that are to be recorded: they go to the recorder as they go to whom they are for. Before those
+ * number `seq` do, waits until the recorder has all but the last WALLS_WINDOW, so that its socket does not overflow; at
+ * most timeout_s. */
 enum status record_stream_wait_for_walls(struct record_stream *stream, int64_t seq) MUST_USE;
+
+/* Keeps a copy of one that goes out or has come (size at most WALL_MESSAGE_MAX), first the state, then the command, to
+ * be sent again like a record if the recorder does not acknowledge the exchange. */
+void record_stream_keep_wall(struct record_stream *stream, bool command, int64_t seq, const void *data, size_t size);
 
 /* Waits until everything is acknowledged (for END: until `complete`), at most timeout_s. */
 enum status record_stream_flush(struct record_stream *stream) MUST_USE;

@@ -41,7 +41,7 @@ static bool check_run_info(const union message *message)
     const shakedown_run_info_t *info = &message->run_info;
     return dimension_ok(info->dimension) && info->n_particles > 0 && info->n_particles <= PARTICLES_MAX &&
            info->n_stages >= 0 && (info->n_resumed == 0 || info->n_resumed == RECORD_CHANNELS) &&
-           info->resumed_frames >= 0 && info->resumed_wall_states >= 0 &&
+           info->resumed_frames >= 0 && info->resumed_wall_states >= 0 && info->resumed_wall_states < INT64_MAX / 4 &&
            totals_ok(info->resumed_total, info->n_resumed);
 }
 

@@ -13,16 +13,10 @@
 #include "common/scene.h"
 #include "recorder/backlog.h"
 #include "recorder/event_log.h"
+#include "recorder/wall_order.h"
 #include "recorder/xdmf.h"
 
 enum { WARNINGS_MAX = 5 };
-
-/* A wall command that came before its state; size 0: none. */
-struct early_command {
-    size_t size;
-    int64_t seq;
-    unsigned char data[WALL_MESSAGE_MAX];
-};
 
 struct recording {
     char path[PATH_MAX]; /* run.h5 */
@@ -40,9 +34,8 @@ struct recording {
     struct particle_set particles;
     struct particle_frame particle_frame;
     struct contact_frame contact_frame;
-    int64_t next_wall_seq[2]; /* states, commands: smallest seq not seen */
-    int64_t wall_total[2];
-    struct early_command early;
+    struct wall_order walls;
+    int64_t wall_total[2];  /* states, commands */
     struct backlog backlog; /* wall messages before RUN_INFO says whether they are wanted */
     shakedown_end_t *end;   /* the last END, whether it matched or not */
     bool end_matches, finished, complete;
@@ -122,53 +115,32 @@ static enum status log_message(struct recording *recording, int kind, const void
 static enum status wall_write(struct recording *recording, int kind, const union message *message, const void *data,
                               size_t size)
 {
-    const int which = kind - MESSAGE_WALL_STATE;
     TRY(kind == MESSAGE_WALL_STATE ? run_writer_wall_state(recording->writer, &message->wall_state)
                                    : run_writer_wall_command(recording->writer, &message->wall_command));
-    recording->next_wall_seq[which] = message->header.seq + 1;
-    recording->wall_total[which]++;
+    recording->wall_total[kind - MESSAGE_WALL_STATE]++;
     return log_message(recording, kind, data, size);
 }
 
-/* The command that waits for its state, if there is one. */
-static enum status early_release(struct recording *recording)
+/* Those that waited for what has come. */
+static enum status walls_write_next(struct recording *recording)
 {
-    struct early_command *early = &recording->early;
-    union message message;
-    if (early->size == 0)
-        return STATUS_OK;
-    TRY(message_decode(MESSAGE_WALL_COMMAND, early->data, early->size, &message));
-    enum status status = wall_write(recording, MESSAGE_WALL_COMMAND, &message, early->data, early->size);
-    message_free(MESSAGE_WALL_COMMAND, &message);
-    early->size = 0;
-    return status;
-}
-
-/* The kernel hands a state to one socket after the other: wallctl may have answered before we are given it. Such a
- * command waits for its state, or for the next message that shows that the state was lost. */
-static enum status wall_order(struct recording *recording, int kind, const union message *message, const void *data,
-                              size_t size)
-{
-    struct early_command *early = &recording->early;
-    const int64_t seq = message->header.seq;
-    if (early->size > 0 && (kind == MESSAGE_WALL_COMMAND || early->seq < seq))
-        TRY(early_release(recording));
-    if (kind == MESSAGE_WALL_COMMAND && seq >= recording->next_wall_seq[0] && size <= sizeof early->data) {
-        memcpy(early->data, data, size);
-        early->size = size;
-        early->seq = seq;
-        return STATUS_OK;
+    struct wall_waiting next;
+    while (wall_order_next(&recording->walls, &next)) {
+        const int kind = next.command ? MESSAGE_WALL_COMMAND : MESSAGE_WALL_STATE;
+        union message message;
+        TRY(message_decode(kind, next.data, next.size, &message));
+        enum status status = wall_write(recording, kind, &message, next.data, next.size);
+        message_free(kind, &message);
+        TRY(status);
     }
-    TRY(wall_write(recording, kind, message, data, size));
-    return kind == MESSAGE_WALL_STATE ? early_release(recording) : STATUS_OK;
+    return STATUS_OK;
 }
 
-/* A wall message of this run: keeps it if its seq is new. */
+/* A wall message of this run. What is missing before it will be sent again; in a log it never comes. */
 static enum status take_wall(struct recording *recording, int kind, const union message *message, const void *data,
-                             size_t size)
+                             size_t size, enum recording_answer *answer)
 {
-    int which = kind - MESSAGE_WALL_STATE;
-    int n_walls = kind == MESSAGE_WALL_STATE ? message->wall_state.n_walls : message->wall_command.n_walls;
+    const int n_walls = kind == MESSAGE_WALL_STATE ? message->wall_state.n_walls : message->wall_command.n_walls;
     if (!recording->wants_walls)
         return STATUS_OK;
     if (n_walls != recording->facts.n_walls) {
@@ -177,13 +149,25 @@ static enum status take_wall(struct recording *recording, int kind, const union 
         drop_malformed(recording);
         return STATUS_OK;
     }
-    const bool waits =
-        kind == MESSAGE_WALL_COMMAND && recording->early.size > 0 && recording->early.seq == message->header.seq;
-    if (message->header.seq < recording->next_wall_seq[which] || waits) {
+    switch (wall_order_take(&recording->walls, kind == MESSAGE_WALL_COMMAND, message->header.seq, data, size)) {
+    case WALL_NEXT:
+        TRY(wall_write(recording, kind, message, data, size));
+        return walls_write_next(recording);
+    case WALL_REPEATED:
         recording->drops.repeated++;
+        *answer = ANSWER_NOW;
+        return STATUS_OK;
+    case WALL_TOO_EARLY:
+        if (recording->from_log && wall_order_skip(&recording->walls, message->header.seq)) {
+            TRY(walls_write_next(recording));
+            return take_wall(recording, kind, message, data, size, answer);
+        }
+        recording->drops.early++;
+        *answer = ANSWER_NOW;
+        return STATUS_OK;
+    default:
         return STATUS_OK;
     }
-    return wall_order(recording, kind, message, data, size);
 }
 
 /* What came before RUN_INFO. */
@@ -227,15 +211,12 @@ static bool is_checkpoint(const struct event *event, const void *user)
 static enum status take_over(struct recording *recording, const shakedown_run_info_t *info,
                              const struct run_counts *counts)
 {
-    int64_t last_seq[2];
     memcpy(recording->next_seq, info->resumed_total, sizeof recording->next_seq);
     recording->next_seq[RECORD_RUN_INFO] = recording->next_seq[RECORD_PARTICLES] = 0;
     recording->particle_frame.place.frame = recording->contact_frame.place.frame = (int)info->resumed_frames;
     recording->wall_total[0] = counts->wall_states;
     recording->wall_total[1] = counts->wall_commands;
-    TRY(run_writer_wall_seqs(recording->writer, last_seq));
-    for (int k = 0; k < 2; k++)
-        recording->next_wall_seq[k] = last_seq[k] + 1;
+    recording->walls.next = 2 * info->resumed_wall_states;
     double *time_s = malloc((size_t)(counts->frames + 1) * sizeof *time_s);
     if (!time_s)
         return status_fail(STATUS_NO_MEMORY, "no memory for %" PRId64 " frames", counts->frames);
@@ -357,6 +338,8 @@ static bool totals_match(const struct recording *recording, const shakedown_end_
 
 static bool everything_before_is_here(const struct recording *recording, const shakedown_checkpoint_t *checkpoint)
 {
+    if (recording->wants_walls && wall_order_exchanges(&recording->walls) < checkpoint->wall_states)
+        return false;
     for (int c = 0; c < RECORD_CHANNELS; c++) {
         if (checkpoint->total[c] != recording->next_seq[c])
             return false;
@@ -412,8 +395,6 @@ static enum status take_next(struct recording *recording, int kind, const union 
         *answer = ANSWER_NOW;
         return STATUS_OK;
     }
-    if (kind >= RECORD_CHECKPOINT)
-        TRY(early_release(recording));
     enum status status = take_record(recording, kind, message);
     if (status == STATUS_FORMAT) {
         drop_malformed(recording);
@@ -448,7 +429,7 @@ static enum status take_message(struct recording *recording, int kind, const uni
     }
     if (kind >= RECORD_CHANNELS) {
         *answer = ANSWER_NONE;
-        return recording->has_run ? take_wall(recording, kind, message, data, size)
+        return recording->has_run ? take_wall(recording, kind, message, data, size, answer)
                                   : backlog_add(&recording->backlog, kind, data, size);
     }
     if (message->header.seq == recording->next_seq[kind])
@@ -495,7 +476,7 @@ void recording_ack(const struct recording *recording, int64_t next_seq[RECORD_CH
     ack->run_id = recording->run_id;
     ack->step = recording->last_step;
     ack->time_s = recording->last_time_s;
-    ack->next_wall_seq = recording->next_wall_seq[recording->next_wall_seq[1] < recording->next_wall_seq[0]];
+    ack->next_wall_seq = wall_order_exchanges(&recording->walls);
     ack->n_channels = RECORD_CHANNELS;
     ack->next_seq = next_seq;
     ack->complete = recording->complete;
@@ -579,8 +560,8 @@ enum status recording_finish(struct recording *recording)
     if (recording->finished)
         return recording->complete ? STATUS_OK : incomplete(recording);
     recording->finished = true;
-    if (recording->has_run)
-        TRY(early_release(recording));
+    while (recording->has_run && wall_order_skip(&recording->walls, -1)) /* what waits for what never came */
+        TRY(walls_write_next(recording));
     TRY(files_close(recording, recording->end_matches));
     recording->complete = recording->end_matches;
     return recording->complete ? STATUS_OK : incomplete(recording);

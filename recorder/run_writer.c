@@ -370,17 +370,6 @@ enum status run_writer_frame_times(const struct run_writer *writer, double *time
     return h5_series_read(series, 0, series->rows, time_s);
 }
 
-enum status run_writer_wall_seqs(const struct run_writer *writer, int64_t seq[2])
-{
-    const struct table *tables[2] = {writer->wall_states, writer->wall_commands};
-    for (int k = 0; k < 2; k++) {
-        seq[k] = -1;
-        if (tables[k] && table_rows(tables[k]) > 0)
-            TRY(table_last(tables[k], "seq", &seq[k]));
-    }
-    return STATUS_OK;
-}
-
 static enum status particles_write(struct run_writer *writer, const struct particle_set *set, int32_t *ids)
 {
     hsize_t n = (hsize_t)writer->facts.n_particles;

@@ -24,9 +24,8 @@ enum status run_writer_create(struct run_writer **writer, const char *path, cons
 enum status run_writer_resume(struct run_writer **writer, const char *path, const shakedown_run_info_t *info,
                               bool walls, struct run_counts *counts) MUST_USE;
 
-/* The times of the frames there are, [counts.frames]; and the last seq of the walls' two tables (-1: empty). */
+/* The times of the frames there are, [counts.frames]. */
 enum status run_writer_frame_times(const struct run_writer *writer, double *time_s) MUST_USE;
-enum status run_writer_wall_seqs(const struct run_writer *writer, int64_t seq[2]) MUST_USE;
 
 /* Writes radius, mass and id of a complete set, unless they are there already. */
 enum status run_writer_particles(struct run_writer *writer, const struct particle_set *set) MUST_USE;

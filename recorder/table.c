@@ -112,20 +112,6 @@ enum status table_open(struct table **result, hid_t file, const struct table_opt
     return cut(table, rows);
 }
 
-enum status table_last(const struct table *table, const char *name, int64_t *value)
-{
-    for (size_t c = 0; c < table->n_columns; c++) {
-        const struct column *column = &table->columns[c];
-        if (strcmp(column->field.name, name) != 0 || column->row_size != sizeof *value || table_rows(table) == 0)
-            continue;
-        if (table->waiting == 0)
-            return h5_series_read(&column->series, table->written - 1, 1, value);
-        memcpy(value, column->buffer + (table->waiting - 1) * column->row_size, sizeof *value);
-        return STATUS_OK;
-    }
-    return status_fail(STATUS_FORMAT, "run.h5 has no last row of %s", name);
-}
-
 static enum status write_waiting(struct table *table)
 {
     for (size_t c = 0; c < table->n_columns; c++)

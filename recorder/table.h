@@ -26,9 +26,6 @@ enum status table_create(struct table **table, hid_t file, const struct table_op
 enum status table_open(struct table **table, hid_t file, const struct table_options *options, hsize_t rows,
                        bool lenient) MUST_USE;
 
-/* Reads the last row of the column `name` (one int64_t); STATUS_FORMAT if there is none. */
-enum status table_last(const struct table *table, const char *name, int64_t *value) MUST_USE;
-
 /* Takes one message (the generated struct, with arrays as wide as the fields say); writes a block when it is full. */
 enum status table_append(struct table *table, const void *message) MUST_USE;
 

@@ -14,9 +14,10 @@ struct exchange {
     int64_t run_id;
     bool in_process;       /* the law is called here */
     struct replay *replay; /* answers come from a log; NULL: not */
-    bool log_walls;        /* in_process: publish states and commands all the same, for the record */
+    bool record_walls;     /* states and commands are recorded: in_process they are published for that alone */
     int64_t seq;           /* of the next state */
     int64_t repeated;      /* states sent again */
+    bool open;             /* a state went to the controller, its answer was not taken yet */
     bool answered;
     struct wall_command answer;
     struct wall_state asked;
@@ -33,5 +34,12 @@ enum status exchange_ask(struct exchange *exchange, const struct wall_state *sta
 /* The command that was asked for last. STATUS_TIMEOUT after coupling.timeout_s without one, STATUS_INTERRUPTED when a
  * stop was requested meanwhile. */
 enum status exchange_answer(struct exchange *exchange, struct wall_command *command) MUST_USE;
+
+/* At the end of a run, whatever ended it: waits for an answer on its way, so that states and commands are counted as a
+ * recorder has heard them. */
+enum status exchange_settle(struct exchange *exchange) MUST_USE;
+
+/* Exchanges begun: states sent, repeats not counted. `seq` counts the commands. */
+int64_t exchange_states(const struct exchange *exchange);
 
 #endif

@@ -392,7 +392,7 @@ static enum status resume_records(struct run *run)
     memcpy(total, run->before.record_total, sizeof total);
     if (!run->bus.is_log)
         total[RECORD_RUN_INFO] = total[RECORD_PARTICLES] = 0;
-    record_stream_resume(run->stream, total);
+    record_stream_resume(run->stream, total, run->before.exchanges);
     run->records.n_frames = (int32_t)run->before.frames;
     return STATUS_OK;
 }
@@ -435,18 +435,24 @@ static void resume_progress(struct run *run)
     run->command = before->command;
 }
 
+static enum status send_end(struct run *run, enum status status)
+{
+    TRY(exchange_settle(&run->exchange));
+    struct run_totals totals = {exchange_states(&run->exchange), run->exchange.seq, run->exchange.repeated,
+                                run->before.elapsed_s + clock_now_s() - run->start_s};
+    return records_send_end(&run->records, run->world, status, &totals);
+}
+
 /* END with the totals, and the wait for its acknowledgement. The run's own failure comes before one of the records. */
 static enum status finish(struct run *run, enum status status)
 {
-    struct run_totals totals = {run->exchange.seq, run->exchange.seq, run->exchange.repeated,
-                                run->before.elapsed_s + clock_now_s() - run->start_s};
     if (run->options->progress && isatty(STDERR_FILENO))
         fprintf(stderr, "\n");
     if (!run->stream)
         return status;
     char message[512];
     snprintf(message, sizeof message, "%s", status_message());
-    enum status sent = records_send_end(&run->records, run->world, status, &totals);
+    enum status sent = send_end(run, status);
     if (sent == STATUS_OK)
         sent = record_stream_flush(run->stream);
     return status != STATUS_OK ? status_fail(status, "%s", message) : sent;

@@ -583,6 +583,37 @@ static void stream_gives_up(void **unused)
     bus_close(&bus);
 }
 
+/* A window of wall exchanges without a recorder: they go out again in rounds, each time all of them as they are; the
+ * next one waits, and then STATUS_TIMEOUT. */
+static void stream_gives_up_walls(void **unused)
+{
+    struct record_stream *stream = NULL;
+    struct bus bus, listener;
+    unsigned char state[400], command[300];
+    int states = 0, commands = 0;
+    (void)unused;
+    must(bus_open(&listener, NULL));
+    must(bus_subscribe(&listener, CHANNEL_WALL_STATE, count_message, &states));
+    must(bus_subscribe(&listener, CHANNEL_WALL_COMMAND, count_message, &commands));
+    must(bus_open(&bus, NULL));
+    must(record_stream_create(&stream, &bus, RUN, 1));
+    for (int64_t seq = 0; seq < WALLS_WINDOW; seq++) {
+        must(record_stream_wait_for_walls(stream, seq));
+        record_stream_keep_wall(stream, false, seq, state, record_make(0, seq, sizeof state, state));
+        record_stream_keep_wall(stream, true, seq, command, record_make(1, seq, sizeof command, command));
+    }
+    drain(&listener, 100);
+    assert_int_equal(states + commands, 0); /* whoever keeps them has sent them */
+    assert_int_equal(record_stream_wait_for_walls(stream, WALLS_WINDOW), STATUS_TIMEOUT);
+    assert_non_null(strstr(status_message(), "recorder of run 4711 acknowledged no wall message"));
+    drain(&listener, 100);
+    assert_true(states >= WALLS_WINDOW && states % WALLS_WINDOW == 0 && commands == states);
+    assert_int_equal(record_stream_repeated(stream), 2 * states);
+    record_stream_free(stream);
+    bus_close(&listener);
+    bus_close(&bus);
+}
+
 static void stream_keeps_its_window(void **unused)
 {
     struct record_stream *stream = NULL;
@@ -778,6 +809,7 @@ int main(void)
         cmocka_unit_test(stream_arrives),
         cmocka_unit_test(stream_survives_loss),
         cmocka_unit_test(stream_gives_up),
+        cmocka_unit_test(stream_gives_up_walls),
         cmocka_unit_test(stream_keeps_its_window),
         cmocka_unit_test(stream_hears_of_a_full_disk),
         cmocka_unit_test(stream_believes_only_its_recorder),

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "common/coupling.h"
 #include "recorder/messages.h"
 #include "recorder/recording.h"
 #include "test_recorder_read.h"
@@ -522,6 +523,78 @@ static void test_walls_out_of_order(void **state)
     bench_close(&bench);
 }
 
+/* Windows of exchanges as a lossy bus hands them over: some messages missing, then all of the window again, back to
+ * front. The record is as if nothing had been lost; a checkpoint waits for what is missing, and nothing is taken that
+ * is far ahead. */
+static void test_walls_lost_and_sent_again(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    uint64_t random = 11;
+    (void)state;
+    options.walls = true;
+    options.n_samples = 0;
+    options.n_wall_states = 5 * WALLS_WINDOW;
+    bench_open(&bench, &options);
+    const size_t first = find(&bench.run, MESSAGE_WALL_STATE, 0), window = 2 * WALLS_WINDOW;
+    const size_t checkpoint = find(&bench.run, RECORD_CHECKPOINT, 0);
+    for (size_t k = 0; k < first; k++)
+        give(&bench, &bench.run.messages[k]);
+    give(&bench, &bench.run.messages[first + window]);
+    assert_int_equal(recording_drops(bench.recording)->early, 1);
+    for (size_t start = first; start < checkpoint; start += window) {
+        for (size_t k = start; k < start + window; k++) {
+            if (synthetic_random(&random) % 3 > 0)
+                give(&bench, &bench.run.messages[k]);
+        }
+        assert_int_equal(give(&bench, &bench.run.messages[checkpoint]), ANSWER_NOW);
+        for (size_t k = start + window; k-- > start;)
+            give(&bench, &bench.run.messages[k]);
+    }
+    assert_int_equal(recording_drops(bench.recording)->early, 6); /* each window's checkpoint came too early */
+    give(&bench, &bench.run.messages[checkpoint]);
+    give(&bench, &bench.run.messages[checkpoint + 1]);
+    finish_complete(&bench);
+    bench_close(&bench);
+}
+
+static int64_t wall_ack(const struct bench *bench)
+{
+    int64_t next_seq[RECORD_CHANNELS];
+    shakedown_record_ack_t ack = {0};
+    recording_ack(bench->recording, next_seq, &ack);
+    return ack.next_wall_seq;
+}
+
+/* Numbers that no sender of this run has: nothing is lost to them. */
+static void test_walls_with_strange_numbers(void **state)
+{
+    static const int64_t strange[] = {-1, INT64_MIN, INT64_MAX, INT64_MAX / 2, WALLS_WINDOW + 1, 1000};
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.walls = true;
+    options.n_wall_states = 50;
+    bench_open(&bench, &options);
+    const size_t first = find(&bench.run, MESSAGE_WALL_STATE, 0);
+    for (size_t k = 0; k < bench.run.count; k++) {
+        give(&bench, &bench.run.messages[k]);
+        for (size_t s = 0; k == first && s < sizeof strange / sizeof *strange; s++) {
+            const struct synthetic_message *message = &bench.run.messages[first + s % 2];
+            unsigned char bytes[WALL_MESSAGE_MAX];
+            memcpy(bytes, message->data, message->size);
+            for (int b = 0; b < 8; b++) /* seq, behind fingerprint and run_id */
+                bytes[16 + b] = (unsigned char)((uint64_t)strange[s] >> (56 - 8 * b));
+            assert_int_equal(give_bytes(&bench, message->kind, bytes, message->size), ANSWER_NOW);
+        }
+        if (k == first)
+            assert_int_equal(wall_ack(&bench), 0); /* its command is still to come */
+    }
+    assert_int_equal(wall_ack(&bench), 50);
+    finish_complete(&bench);
+    bench_close(&bench);
+}
+
 static void test_walls_not_wanted(void **state)
 {
     struct bench bench;
@@ -635,6 +708,8 @@ int main(void)
         cmocka_unit_test(test_never_complete),
         cmocka_unit_test(test_walls_before_run_info_and_repeated),
         cmocka_unit_test(test_walls_out_of_order),
+        cmocka_unit_test(test_walls_lost_and_sent_again),
+        cmocka_unit_test(test_walls_with_strange_numbers),
         cmocka_unit_test(test_walls_not_wanted),
         cmocka_unit_test(test_refuses_to_overwrite),
         cmocka_unit_test(test_directory_cannot_be_made),

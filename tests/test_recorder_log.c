@@ -224,6 +224,46 @@ static void test_event_log(void **state)
     bench_close(&bench);
 }
 
+/* A log of the bus in which wall messages are missing, more than a sender ever has on its way: the file holds all that
+ * is there, in order, and says that it is not complete. */
+static void test_log_without_some_walls(void **state)
+{
+    struct synthetic_options options = synthetic_default;
+    struct synthetic_run run;
+    struct recording *recording;
+    enum recording_answer answer;
+    char directory[64];
+    long states = 0, commands = 0, wall = 0;
+    (void)state;
+    options.walls = true;
+    options.n_wall_states = 300;
+    synthetic_directory(directory);
+    synthetic_create(&run, &options);
+    const struct recording_options from_log = {.directory = directory, .any_run = true, .from_log = true};
+    assert_int_equal(recording_create(&recording, &from_log), STATUS_OK);
+    for (size_t k = 0; k < run.count; k++) {
+        const struct synthetic_message *message = &run.messages[k];
+        const bool is_wall = message->kind >= MESSAGE_WALL_STATE;
+        if (is_wall && (wall++ % 50 == 7 || (wall >= 200 && wall < 300)))
+            continue;
+        states += message->kind == MESSAGE_WALL_STATE;
+        commands += message->kind == MESSAGE_WALL_COMMAND;
+        assert_int_equal(recording_take(recording, message->kind, message->data, message->size, &answer), STATUS_OK);
+    }
+    assert_int_equal(recording_finish(recording), STATUS_INCOMPLETE);
+    recording_free(recording);
+    hid_t file = read_open(directory);
+    assert_int_equal(read_rows(file, "/walls/state/step"), states);
+    assert_int_equal(read_rows(file, "/walls/command/step"), commands);
+    double *step = read_values(file, "/walls/state/step");
+    for (long k = 1; k < states; k++)
+        assert_true(step[k] > step[k - 1]);
+    free(step);
+    assert_true(H5Fclose(file) >= 0);
+    synthetic_free(&run);
+    synthetic_directory_remove(directory);
+}
+
 /* Prints the rate; no bound, as it depends on the machine. */
 static void test_throughput(void **state)
 {
@@ -251,6 +291,7 @@ int main(void)
         cmocka_unit_test(test_hostile_event_lengths),
         cmocka_unit_test(test_missing_and_empty_log),
         cmocka_unit_test(test_event_log),
+        cmocka_unit_test(test_log_without_some_walls),
         cmocka_unit_test(test_throughput),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -20,7 +20,7 @@
 #include "common/message.h"
 #include "shakedown_end_t.h"
 
-enum { GIVE_UP_S = 60, PATH_MAX_LENGTH = 256, KILL_AT_STEP = 700 };
+enum { GIVE_UP_S = 60, PATH_MAX_LENGTH = 256, DISTURB_AT_STEP = 700 };
 
 static const char *sim_path, *wallctl_path, *recorder_path, *scene_path;
 static char directory[64];
@@ -94,7 +94,7 @@ static void make_directory(const char *run)
 
 struct log_end {
     bool found;
-    int64_t step, state_hash, wall_states, repeated;
+    int64_t step, state_hash, wall_states, repeated, records_repeated;
 };
 
 static void on_end(const lcm_recv_buf_t *buffer, const char *channel, void *user)
@@ -103,7 +103,12 @@ static void on_end(const lcm_recv_buf_t *buffer, const char *channel, void *user
     shakedown_end_t message = {0};
     (void)channel;
     assert_true(shakedown_end_t_decode(buffer->data, 0, (int)buffer->data_size, &message) >= 0);
-    *end = (struct log_end){true, message.step, message.state_hash, message.wall_states, message.commands_repeated};
+    *end = (struct log_end){true,
+                            message.step,
+                            message.state_hash,
+                            message.wall_states,
+                            message.commands_repeated,
+                            message.records_repeated};
     shakedown_end_t_decode_cleanup(&message);
 }
 
@@ -141,8 +146,22 @@ static void run_in_process(const char *run, const char *setting)
 struct live {
     struct bus bus;
     pid_t sim, wallctl, recorder;
-    int64_t step; /* of the last wall state seen */
+    int64_t step;        /* of the last wall state seen */
+    struct relay *relay; /* the recorder hears this run through it; NULL: as the others do */
+    int64_t disturb_at;  /* step at which wallctl is killed and started again, or sim interrupted; 0: none */
+    bool interrupts;
+    bool disturbed; /* on a busy machine the run may end before its step is seen here */
 };
+
+/* Between the bus of the run and one of the recorder's own, on another port; does not let through the first copy of
+ * every LOSE_EVERY-th state and command. */
+enum { LOSE_EVERY = 250 };
+struct relay {
+    struct bus *run, recorder;
+    int64_t last_seq[2]; /* of the states and commands that came */
+    int lost;
+};
+#define RECORDER_URL "udpm://239.255.76.67:7999?ttl=0"
 
 static void on_state(const lcm_recv_buf_t *buffer, const char *channel, void *user)
 {
@@ -153,6 +172,41 @@ static void on_state(const lcm_recv_buf_t *buffer, const char *channel, void *us
     live->step = header.step;
 }
 
+static void to_recorder(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    struct relay *relay = user;
+    struct message_header header;
+    assert_true(message_header_read(buffer->data, buffer->data_size, &header));
+    const bool command = strcmp(channel, CHANNEL_WALL_COMMAND) == 0;
+    if (command || strcmp(channel, CHANNEL_WALL_STATE) == 0) {
+        const bool first = header.seq > relay->last_seq[command];
+        if (first)
+            relay->last_seq[command] = header.seq;
+        if (first && header.seq % LOSE_EVERY == 0) {
+            relay->lost++;
+            return;
+        }
+    }
+    must(bus_publish(&relay->recorder, channel, buffer->data, buffer->data_size));
+}
+
+static void to_sim(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    struct relay *relay = user;
+    must(bus_publish(relay->run, channel, buffer->data, buffer->data_size));
+}
+
+static void relay_start(struct relay *relay, struct bus *run)
+{
+    *relay = (struct relay){.run = run, .last_seq = {-1, -1}};
+    must(bus_open(&relay->recorder, RECORDER_URL));
+    for (int c = 0; c < RECORD_CHANNELS; c++)
+        must(bus_subscribe(run, record_channel_name[c], to_recorder, relay));
+    must(bus_subscribe(run, CHANNEL_WALL_STATE, to_recorder, relay));
+    must(bus_subscribe(run, CHANNEL_WALL_COMMAND, to_recorder, relay));
+    must(bus_subscribe(&relay->recorder, CHANNEL_RECORD_ACK, to_sim, relay));
+}
+
 static pid_t start_wallctl(const char *run, const char *setting)
 {
     const char *const arguments[] = {wallctl_path, scene_path, "--run-id", "5", "--set",
@@ -160,57 +214,80 @@ static pid_t start_wallctl(const char *run, const char *setting)
     return start(path_in(run, "wallctl.txt"), arguments);
 }
 
-static void kill_and_restart(struct live *live, const char *run, const char *setting)
+static void disturb(struct live *live, const char *run, const char *setting)
 {
     int result;
+    live->disturbed = true;
+    if (live->interrupts) {
+        assert_int_equal(kill(live->sim, SIGINT), 0);
+        return;
+    }
     assert_int_equal(kill(live->wallctl, SIGKILL), 0);
     assert_int_equal(waitpid(live->wallctl, &result, 0), live->wallctl);
     assert_int_equal(exit_code(result), 128 + SIGKILL);
     live->wallctl = start_wallctl(run, setting);
 }
 
-/* Follows the run until sim ends; the messages that come pass the time. Returns sim's exit code. *killed: wallctl was;
- * on a busy machine the run may end before its step is seen here. */
-static int follow(struct live *live, const char *run, const char *setting, int64_t kill_at, bool *killed)
+/* Handles what is there, 10 ms at most; the messages that come pass the time. */
+static void listen_to(struct live *live)
+{
+    bool handled;
+    must(bus_handle(&live->bus, live->relay ? 1 : 10, &handled));
+    while (handled && live->relay)
+        must(bus_handle(&live->bus, 0, &handled));
+    if (live->relay)
+        must(bus_handle(&live->relay->recorder, 0, &handled));
+}
+
+/* Follows the run until sim ends. Returns its exit code. */
+static int follow(struct live *live, const char *run, const char *setting)
 {
     double deadline_s = clock_now_s() + GIVE_UP_S;
     int result;
-    bool handled;
-    *killed = false;
     while (waitpid(live->sim, &result, WNOHANG) == 0) {
         assert_true(clock_now_s() < deadline_s);
-        must(bus_handle(&live->bus, 10, &handled));
-        if (live->step >= kill_at) {
-            kill_and_restart(live, run, setting);
-            kill_at = INT64_MAX;
-            *killed = true;
-        }
+        listen_to(live);
+        if (live->disturb_at > 0 && live->step >= live->disturb_at && !live->disturbed)
+            disturb(live, run, setting);
     }
     return exit_code(result);
 }
 
-/* sim, wallctl and recorder over the bus, into <run>/run.h5 and run.lcm. Returns whether wallctl was killed meanwhile.
- */
-static bool run_live(const char *run, const char *setting, int64_t kill_at)
+/* sim, wallctl and recorder over the bus, into <run>/run.h5 and run.lcm. All of them end well, but for a sim that was
+ * interrupted. */
+static void run_with(struct live *live, const char *run, const char *setting)
 {
-    struct live live = {.step = -1};
     int result;
-    bool killed;
+    live->step = -1;
     make_directory(run);
-    must(bus_open(&live.bus, NULL));
-    must(bus_subscribe(&live.bus, CHANNEL_WALL_STATE, on_state, &live));
-    const char *const recorder[] = {recorder_path, "--run-id", "5", "--out", path_in(run, "."), NULL};
+    must(bus_open(&live->bus, NULL));
+    must(bus_subscribe(&live->bus, CHANNEL_WALL_STATE, on_state, live));
+    if (live->relay)
+        relay_start(live->relay, &live->bus);
+    const char *const recorder[] = {
+        recorder_path, "--run-id", "5", "--out", path_in(run, "."), live->relay ? "--lcm" : NULL, RECORDER_URL, NULL};
     const char *const sim[] = {sim_path, scene_path, "--run-id", "5", "--set", setting, "--set", scheme, NULL};
-    live.recorder = start(path_in(run, "recorder.txt"), recorder);
-    live.wallctl = start_wallctl(run, setting);
-    live.sim = start(path_in(run, "sim.txt"), sim);
-    expect_success("sim", follow(&live, run, setting, kill_at, &killed), path_in(run, "sim.txt"));
-    assert_int_equal(waitpid(live.wallctl, &result, 0), live.wallctl);
+    live->recorder = start(path_in(run, "recorder.txt"), recorder);
+    live->wallctl = start_wallctl(run, setting);
+    live->sim = start(path_in(run, "sim.txt"), sim);
+    int code = follow(live, run, setting);
+    if (live->interrupts && live->disturbed)
+        assert_int_equal(code, status_exit_code(STATUS_INTERRUPTED));
+    else
+        expect_success("sim", code, path_in(run, "sim.txt"));
+    assert_int_equal(waitpid(live->wallctl, &result, 0), live->wallctl);
     expect_success("wallctl", exit_code(result), path_in(run, "wallctl.txt"));
-    assert_int_equal(waitpid(live.recorder, &result, 0), live.recorder);
+    assert_int_equal(waitpid(live->recorder, &result, 0), live->recorder);
     expect_success("recorder", exit_code(result), path_in(run, "recorder.txt"));
-    bus_close(&live.bus);
-    return killed;
+    if (live->relay)
+        bus_close(&live->relay->recorder);
+    bus_close(&live->bus);
+}
+
+static void run_live(const char *run, const char *setting)
+{
+    struct live live = {0};
+    run_with(&live, run, setting);
 }
 
 static void remove_run(const char *run)
@@ -219,15 +296,17 @@ static void remove_run(const char *run)
     assert_int_equal(run_program("/dev/null", arguments), 0);
 }
 
-/* The same with wallctl killed, and started again, while the run goes on: tried until it happened. */
-static void run_killed(const char *run, const char *setting)
+/* The same, disturbed while it goes on: tried until it happened. */
+static void run_disturbed(const char *run, const char *setting, bool interrupts)
 {
     for (int attempt = 0; attempt < 20; attempt++) {
-        if (run_live(run, setting, KILL_AT_STEP))
+        struct live live = {.disturb_at = DISTURB_AT_STEP, .interrupts = interrupts};
+        run_with(&live, run, setting);
+        if (live.disturbed)
             return;
         remove_run(run);
     }
-    fail_msg("wallctl was never killed in time");
+    fail_msg("the run always ended before it was disturbed");
 }
 
 /* ---- comparisons ---- */
@@ -290,15 +369,40 @@ static void the_same_seed_gives_the_same_bits(void **state)
 static void over_the_bus_at_every_step_gives_the_same_bits(void **state)
 {
     (void)state;
-    (void)run_live("bus", every_step, INT64_MAX);
+    run_live("bus", every_step);
     same_run("one", "bus");
 }
 
 static void a_killed_controller_changes_nothing(void **state)
 {
     (void)state;
-    run_killed("killed", every_step);
+    run_disturbed("killed", every_step, false);
     same_run("one", "killed");
+}
+
+/* The first state and command, the last, and some between: sim sends them again, and the record is the same. */
+static void what_the_recorder_alone_has_lost_comes_again(void **state)
+{
+    struct relay relay;
+    struct live live = {.relay = &relay};
+    (void)state;
+    run_with(&live, "lossy", every_step);
+    assert_int_equal(relay.lost, 2 * (2500 / LOSE_EVERY + 1)); /* of 2501 exchanges */
+    assert_true(end_of("lossy").records_repeated >= relay.lost);
+    same_run("one", "lossy");
+    expect_replay(sim_path, "lossy", "run.lcm", every_step, 0, "2501 wall states equal, 2501 commands");
+}
+
+/* With the controller asked ahead there is always an answer on its way: the record is complete all the same, and what
+ * it counts is there. */
+static void an_interrupted_run_is_recorded_whole(void **state)
+{
+    (void)state;
+    scheme = "coupling.scheme=pipelined";
+    run_disturbed("interrupted", every_seventh, true);
+    struct log_end end = end_of("interrupted");
+    assert_true(end.step >= DISTURB_AT_STEP && end.wall_states > DISTURB_AT_STEP / 7);
+    scheme = "coupling.scheme=hold";
 }
 
 /* Coarser exchange is another motion, but the same one on both sides of the bus. */
@@ -306,7 +410,7 @@ static void over_the_bus_at_every_seventh_step(void **state)
 {
     (void)state;
     run_in_process("seven", every_seventh);
-    (void)run_live("bus7", every_seventh, INT64_MAX);
+    run_live("bus7", every_seventh);
     same_run("seven", "bus7");
     assert_true(end_of("one").state_hash != end_of("seven").state_hash);
 }
@@ -323,7 +427,7 @@ static void every_scheme_gives_the_same_bits(void **state)
         snprintf(here, sizeof here, "%s", strchr(scheme, '=') + 1);
         snprintf(bus, sizeof bus, "%s-bus", here);
         run_in_process(here, every_seventh);
-        run_killed(bus, every_seventh);
+        run_disturbed(bus, every_seventh, false);
         same_run(here, bus);
         assert_true(end_of(here).state_hash != end_of("seven").state_hash);
         expect_replay(wallctl_path, bus, "run.lcm", every_seventh, 0, "commands equal");
@@ -398,6 +502,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(the_same_seed_gives_the_same_bits),
         cmocka_unit_test(over_the_bus_at_every_step_gives_the_same_bits),
         cmocka_unit_test(a_killed_controller_changes_nothing),
+        cmocka_unit_test(what_the_recorder_alone_has_lost_comes_again),
+        cmocka_unit_test(an_interrupted_run_is_recorded_whole),
         cmocka_unit_test(over_the_bus_at_every_seventh_step),
         cmocka_unit_test(every_scheme_gives_the_same_bits),
         cmocka_unit_test(replays_give_the_same_bits),
