@@ -19,6 +19,10 @@ static void over_work(const struct curves *curves, enum curve of, struct quantit
         return;
     }
     double net = fabs(work[curves->n - 1]), residual = fabs(curves->column[of][curves->n - 1]);
+    if (isnan(residual)) {
+        quantity_undefined(quantity, "not recorded: the run is of an earlier version");
+        return;
+    }
     bool use_net = net >= total / 10;
     quantity_set(quantity, (struct estimate){residual / (use_net ? net : total), NAN});
     if (!use_net)

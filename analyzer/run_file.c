@@ -211,6 +211,31 @@ static enum status length_take(struct run *run, const char *path, const char *ob
     return STATUS_OK;
 }
 
+/* Files of earlier versions have none of these. */
+static bool is_optional(enum observable observable)
+{
+    return observable == OBSERVABLE_CONTROLLER_RESIDUAL;
+}
+
+static bool is_absent(hid_t file, enum observable observable)
+{
+    char group[160];
+    snprintf(group, sizeof group, "/observables/%s", observables[observable].name);
+    return is_optional(observable) && H5Lexists(file, group, H5P_DEFAULT) == 0;
+}
+
+/* NaN for each sample, so that what is made from it is undefined. */
+static enum status fill_absent(struct run *run, const char *path, int observable)
+{
+    const size_t count = run->n_samples * run->width[observable];
+    double *value = run->value[observable] = malloc((count + 1) * sizeof *value);
+    if (!value)
+        return status_fail(STATUS_NO_MEMORY, "%s: out of memory", path);
+    for (size_t k = 0; k < count; k++)
+        value[k] = NAN;
+    return STATUS_OK;
+}
+
 static enum status observables_read(hid_t file, const char *path, struct run *run)
 {
     char object[160];
@@ -223,9 +248,14 @@ static enum status observables_read(hid_t file, const char *path, struct run *ru
     for (int k = 0; k < OBSERVABLES; k++) {
         snprintf(object, sizeof object, "/observables/%s/value", observables[k].name);
         run->width[k] = shape_width(observables[k].shape, run->dimension);
+        if (is_absent(file, k))
+            continue;
         TRY(dataset_read(file, path, object, run->width[k], &run->value[k], &count));
         TRY(length_take(run, path, object, count));
     }
+    for (int k = 0; k < OBSERVABLES; k++)
+        if (!run->value[k])
+            TRY(fill_absent(run, path, k));
     run->steps = run->n_samples ? (int64_t)run->step[run->n_samples - 1] : 0;
     return STATUS_OK;
 }

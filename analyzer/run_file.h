@@ -61,7 +61,8 @@ struct run {
 };
 
 /* Reads `path`. `run` need not be initialised; on success release it with run_free.
- * An incomplete run (attribute complete other than 1) is read as far as all observables go.
+ * An incomplete run (attribute complete other than 1) is read as far as all observables go. Of a run of an earlier
+ * version, which has no controller_residual_j, that is NaN.
  * Errors, each naming file and object: STATUS_IO (cannot be opened), STATUS_FORMAT (not HDF5, truncated; a dataset or
  * an attribute is missing, of another shape, or not finite where a number is needed), STATUS_CONFIG (effective_config),
  * STATUS_NO_MEMORY. */

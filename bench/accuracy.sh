@@ -7,7 +7,7 @@
 # started by it; --from: no runs, the results in FILE (of --json) are plotted.
 set -euo pipefail
 # shellcheck source=options.sh
-source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
+. "${BASH_SOURCE[0]%/*}/options.sh"
 
 read_options --quick '--out --scene --json --plot --from --through --set' --out "$@"
 take_out

@@ -23,7 +23,7 @@ static const char *const per_name[] = {"particle", "contact", "wall contact"};
 
 struct bench {
     struct world *world;
-    double kinetic_j, elastic_j; /* for the controller's conditions */
+    struct held_energy held; /* for the controller's conditions */
     int64_t energy_step;
     int n[PER_COUNT];
     json_t *rows;
@@ -37,14 +37,12 @@ static enum status one_step(void *user)
     struct wall_state state;
     struct wall_command command;
     if (world->stage >= 0 && world->step % ENERGY_STEPS == 0) { /* no law before the first stage */
-        struct elastic_energy elastic = measure_elastic_energy(world);
-        bench->kinetic_j = measure_kinetic_energy_j(world);
-        bench->elastic_j = elastic.normal_j + elastic.tangential_j;
+        bench->held = measure_held_energy(world);
         bench->energy_step = world->step;
     }
     world_wall_state(world, &state);
-    state.kinetic_energy_j = bench->kinetic_j;
-    state.elastic_energy_j = bench->elastic_j;
+    state.kinetic_energy_j = bench->held.kinetic_j;
+    state.elastic_energy_j = bench->held.elastic_j;
     state.energy_step = bench->energy_step;
     TRY(wallctl_law(world->scene, &state, &command));
     if (command.finished)

@@ -7,7 +7,7 @@
 # --lock: holds these files' locks (as flock) while it takes times.
 set -euo pipefail
 # shellcheck source=options.sh
-source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
+. "${BASH_SOURCE[0]%/*}/options.sh"
 
 read_options --quick '--out --scene --json --plot --scheme --lock --set' --out "$@"
 take_out

@@ -3,5 +3,5 @@
 # ./shakedown bench kernels [--json FILE]
 set -euo pipefail
 # shellcheck source=options.sh
-source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
+. "${BASH_SOURCE[0]%/*}/options.sh"
 exec "$bin/bench/bench_kernels" "$@"

@@ -3,5 +3,5 @@
 # In a network namespace of its own.
 set -euo pipefail
 # shellcheck source=options.sh
-source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
+. "${BASH_SOURCE[0]%/*}/options.sh"
 exec "$root/tests/in_namespace.sh" "$bin/bench/bench_latency" "$@"

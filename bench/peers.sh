@@ -4,7 +4,7 @@
 # --install gets the two from Debian's packages; --out keeps inputs, logs and the prepared samples for the next time.
 set -euo pipefail
 # shellcheck source=options.sh
-source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
+. "${BASH_SOURCE[0]%/*}/options.sh"
 
 # The packages of the programs that are not there.
 find_missing() { # sets `missing`

@@ -4,7 +4,7 @@
 # The whole of it takes about ten minutes and 2.5 GB of memory. --plot also takes a table printed before: --table FILE.
 set -euo pipefail
 # shellcheck source=options.sh
-source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
+. "${BASH_SOURCE[0]%/*}/options.sh"
 
 read_options '' '--dimension --counts --threads --json --plot --table' '--plot --table' "$@"
 table=${given[--table]:-}

@@ -4,7 +4,7 @@
 # --out keeps the prepared sample for the next time.
 set -euo pipefail
 # shellcheck source=options.sh
-source "$(readlink -f "${BASH_SOURCE[0]%/*}")/options.sh"
+. "${BASH_SOURCE[0]%/*}/options.sh"
 
 scene=$root/scenes/biaxial.cfg
 case ${1:-} in

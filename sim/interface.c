@@ -167,8 +167,8 @@ static int worst_wall(const struct world *world, const double *mismatch_j)
 
 static double held_energy_j(const struct world *world)
 {
-    struct elastic_energy elastic = measure_elastic_energy(world);
-    return measure_kinetic_energy_j(world) + elastic.normal_j + elastic.tangential_j;
+    struct held_energy held = measure_held_energy(world);
+    return held.kinetic_j + held.elastic_j;
 }
 
 /* A loop that swings beyond what friction and contacts take loses or gains energy at the walls, faster and faster, or
@@ -201,9 +201,9 @@ static enum status interval_end(struct world *world)
     double mismatch_j[SCENE_WALLS_MAX] = {0}, sum_j = 0, scale_j = 0;
     for (int w = 0; w < world->n_walls; w++) {
         const struct wall *wall = &world->walls[w];
-        const double dx = wall->inward * (face->x_start[w] - wall->x);
         if (world->path.drive[w] != DRIVE_LOOP)
             continue;
+        const double dx = wall->inward * (face->x_start[w] - wall->x);
         mismatch_j[w] = fabs(face->work[w] - 0.5 * (face->force_start[w] + wall->force) * dx);
         sum_j += mismatch_j[w];
         scale_j += 0.5 * (fabs(face->force_start[w]) + fabs(wall->force)) * fabs(dx);

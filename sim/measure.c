@@ -215,12 +215,12 @@ static void survey(const struct world *world, bool state, struct survey *sum)
     }
 }
 
-struct elastic_energy measure_elastic_energy(const struct world *world)
+struct held_energy measure_held_energy(const struct world *world)
 {
     struct survey sum = {0};
     world_settle(world);
     survey(world, false, &sum);
-    return (struct elastic_energy){sum.elastic_normal_j, sum.elastic_tangential_j};
+    return (struct held_energy){measure_kinetic_energy_j(world), sum.elastic_normal_j + sum.elastic_tangential_j};
 }
 
 void measure_wall_stiffness(const struct world *world, double *stiffness_n_per_m, double *damping_kg_per_s)

@@ -7,11 +7,12 @@
 double measure_kinetic_energy_j(const struct world *world);   /* translation and rotation */
 double measure_potential_energy_j(const struct world *world); /* in gravity: -sum m g.x */
 
-struct elastic_energy {
-    double normal_j;     /* sum f^2/(2 k2) of the elastic normal forces */
-    double tangential_j; /* sum kt xi^2/2 */
+/* What the sample holds now, as the controller's conditions, the ledger and the watch take it. */
+struct held_energy {
+    double kinetic_j;
+    double elastic_j; /* sum f^2/(2 k2) of the elastic normal forces + sum kt xi^2/2 */
 };
-struct elastic_energy measure_elastic_energy(const struct world *world);
+struct held_energy measure_held_energy(const struct world *world);
 
 /* Upper bound of each wall's tangent stiffness, sum of k2, and damping, sum of gamma_n, over its contacts; [n_walls].
  */

@@ -21,8 +21,8 @@ static const double STATUS_INTERVAL_S = 0.1;
 enum { STEPS_PER_LOOK = 16 }; /* steps between looks at the clock and the bus */
 
 struct run_energies {
-    double kinetic_j, elastic_j;
-    int64_t step; /* at which they were measured */
+    struct held_energy held;
+    int64_t step; /* at which it was measured */
 };
 
 struct run {
@@ -64,17 +64,14 @@ static int64_t steps_in(const struct run *run, double every_s)
 static enum status take_sample(struct run *run)
 {
     struct measurement m;
-    if (run->stream) {
-        TRY(measure(run->world, &m));
-    } else {
-        struct elastic_energy elastic = measure_elastic_energy(run->world);
-        m.kinetic_j = measure_kinetic_energy_j(run->world);
-        m.elastic_normal_j = elastic.normal_j;
-        m.elastic_tangential_j = elastic.tangential_j;
+    run->energies.step = run->world->step;
+    if (!run->stream) {
+        run->energies.held = measure_held_energy(run->world);
+        return STATUS_OK;
     }
-    run->energies = (struct run_energies){
-        .kinetic_j = m.kinetic_j, .elastic_j = m.elastic_normal_j + m.elastic_tangential_j, .step = run->world->step};
-    return run->stream ? records_send_sample(&run->records, run->world, &m) : STATUS_OK;
+    TRY(measure(run->world, &m));
+    run->energies.held = (struct held_energy){m.kinetic_j, m.elastic_normal_j + m.elastic_tangential_j};
+    return records_send_sample(&run->records, run->world, &m);
 }
 
 static enum status take_frame(struct run *run)
@@ -163,8 +160,8 @@ static void fill_status(struct run *run, double now, shakedown_status_t *message
         .dimension = world->particles.dimension,
         .strain = strain,
         .stress_wall_pa = stress,
-        .kinetic_energy_j = run->energies.kinetic_j,
-        .elastic_energy_j = run->energies.elastic_j,
+        .kinetic_energy_j = run->energies.held.kinetic_j,
+        .elastic_energy_j = run->energies.held.elastic_j,
         .commands_repeated = run->exchange.repeated,
         .interface_residual_j = world->interface.residual_j,
         .controller_residual_j = world->interface.controller_residual_j,
@@ -220,8 +217,8 @@ static enum status look_around(struct run *run)
 static enum status ask(struct run *run, struct wall_state *state)
 {
     run->told = run->energies;
-    state->kinetic_energy_j = run->told.kinetic_j;
-    state->elastic_energy_j = run->told.elastic_j;
+    state->kinetic_energy_j = run->told.held.kinetic_j;
+    state->elastic_energy_j = run->told.held.elastic_j;
     state->energy_step = run->told.step;
     return exchange_ask(&run->exchange, state);
 }
@@ -271,8 +268,8 @@ static struct run_progress progress_of(const struct run *run, bool answered)
     const struct run_energies *energies = answered ? &run->told : &run->energies;
     struct run_progress progress = {.run_id = run->options->run_id,
                                     .fraction_done = run->fraction_done,
-                                    .kinetic_j = energies->kinetic_j,
-                                    .elastic_j = energies->elastic_j,
+                                    .kinetic_j = energies->held.kinetic_j,
+                                    .elastic_j = energies->held.elastic_j,
                                     .energy_step = energies->step,
                                     .frame_strain_next = run->frame_strain_next,
                                     .exchanges = run->exchange.seq - answered,
@@ -424,7 +421,7 @@ static void resume_progress(struct run *run)
 {
     const struct run_progress *before = &run->before;
     run->fraction_done = before->fraction_done;
-    run->energies = (struct run_energies){before->kinetic_j, before->elastic_j, before->energy_step};
+    run->energies = (struct run_energies){{before->kinetic_j, before->elastic_j}, before->energy_step};
     run->frame_strain_next = (int)before->frame_strain_next;
     run->exchange.seq = before->exchanges;
     run->exchange.repeated = before->commands_repeated;

@@ -130,9 +130,9 @@ void world_free(struct world *world)
 static void ledger_start(struct world *world)
 {
     memset(&world->ledger, 0, sizeof world->ledger);
-    world->ledger.kinetic_start = measure_kinetic_energy_j(world);
-    struct elastic_energy elastic = measure_elastic_energy(world);
-    world->ledger.elastic_start = elastic.normal_j + elastic.tangential_j;
+    struct held_energy held = measure_held_energy(world);
+    world->ledger.kinetic_start = held.kinetic_j;
+    world->ledger.elastic_start = held.elastic_j;
     world->ledger.potential_start = measure_potential_energy_j(world);
 }
 

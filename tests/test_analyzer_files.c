@@ -92,6 +92,30 @@ static void missing_parts(void **state)
     assert_refused(place->directory, STATUS_FORMAT, "seed: missing");
 }
 
+/* A file of a version that did not record one of the residuals: all else as ever, that one undefined, with a reason. */
+static void of_an_earlier_version(void **state)
+{
+    const struct place *place = *state;
+    struct analysis now, then;
+    biaxial_written(place->directory, true, NULL);
+    assert_int_equal(analysis_make(&now, place->directory), STATUS_OK);
+    biaxial_written(place->directory, true, &(struct flaw){.omit = "controller_residual_j"});
+    if (analysis_make(&then, place->directory) != STATUS_OK)
+        fail_msg("%s", status_message());
+    for (int id = 0; id < QUANTITIES; id++) {
+        if (id == QUANTITY_CONTROLLER_RESIDUAL || isnan(now.quantity[id].value))
+            continue;
+        assert_true(then.quantity[id].value == now.quantity[id].value);
+    }
+    assert_true(isfinite(now.quantity[QUANTITY_CONTROLLER_RESIDUAL].value));
+    assert_true(isnan(then.quantity[QUANTITY_CONTROLLER_RESIDUAL].value));
+    assert_non_null(strstr(then.quantity[QUANTITY_CONTROLLER_RESIDUAL].text, "earlier version"));
+    analysis_free(&now);
+    analysis_free(&then);
+    biaxial_written(place->directory, true, &(struct flaw){.omit = "interface_residual_j"});
+    assert_refused(place->directory, STATUS_FORMAT, "/observables/interface_residual_j/value: missing");
+}
+
 /* Cut at every tenth of its length, and not HDF5 at all: refused or read, never a crash; the head alone is refused. */
 static void truncated(void **state)
 {
@@ -342,6 +366,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(reads_back, setup, teardown),
         cmocka_unit_test_setup_teardown(missing_parts, setup, teardown),
+        cmocka_unit_test_setup_teardown(of_an_earlier_version, setup, teardown),
         cmocka_unit_test_setup_teardown(truncated, setup, teardown),
         cmocka_unit_test_setup_teardown(wrong_content, setup, teardown),
         cmocka_unit_test_setup_teardown(unequal_lengths, setup, teardown),
