@@ -14,6 +14,7 @@
 #include "sim/checkpoint.h"
 #include "sim/exchange.h"
 #include "sim/measure.h"
+#include "sim/outlook.h"
 #include "sim/records.h"
 #include "sim/world.h"
 
@@ -35,6 +36,7 @@ struct run {
     struct exchange exchange;
     double fraction_done;
     struct run_energies energies; /* for the controller's conditions */
+    struct outlook outlook;       /* of the stage */
     int frame_strain_next;        /* index in frame_strains */
     double start_s, status_s;
     int64_t status_step, status_seq;
@@ -63,15 +65,19 @@ static int64_t steps_in(const struct run *run, double every_s)
 
 static enum status take_sample(struct run *run)
 {
-    struct measurement m;
+    struct held_energy *held = &run->energies.held;
     run->energies.step = run->world->step;
-    if (!run->stream) {
-        run->energies.held = measure_held_energy(run->world);
-        return STATUS_OK;
+    if (run->stream) {
+        struct measurement m;
+        TRY(measure(run->world, &m));
+        *held = (struct held_energy){m.kinetic_j, m.elastic_normal_j + m.elastic_tangential_j};
+        TRY(records_send_sample(&run->records, run->world, &m));
+    } else {
+        *held = measure_held_energy(run->world);
     }
-    TRY(measure(run->world, &m));
-    run->energies.held = (struct held_energy){m.kinetic_j, m.elastic_normal_j + m.elastic_tangential_j};
-    return records_send_sample(&run->records, run->world, &m);
+    if (run->world->stage_step > 0)
+        outlook_add(&run->outlook, run->world->stage_step, held->kinetic_j / held->elastic_j);
+    return STATUS_OK;
 }
 
 static enum status take_frame(struct run *run)
@@ -124,16 +130,6 @@ static enum status record_stage_end(struct run *run)
     return run->records.last_frame_step != run->world->step ? take_frame(run) : STATUS_OK;
 }
 
-/* Steps of all stages, limits in full, from this stage on; what is left once the steps done here are taken off. */
-static double steps_left(const struct run *run)
-{
-    double steps = 0;
-    int first = run->world->stage < 0 ? 0 : run->world->stage;
-    for (int k = first; k < run->scene->n_stages; k++)
-        steps += run->scene->stage[k].duration_s / run->scene->stage[k].dt_s;
-    return steps - (double)run->world->stage_step;
-}
-
 static void fill_status(struct run *run, double now, shakedown_status_t *message, double *strain, double *stress)
 {
     const struct world *world = run->world;
@@ -145,6 +141,8 @@ static void fill_status(struct run *run, double now, shakedown_status_t *message
         strain[c] = 1 - length / start;
         stress[c] = 0.5 * (world->walls[2 * c].force + world->walls[2 * c + 1].force) / area;
     }
+    enum outlook_kind kind;
+    const double steps_left = outlook_steps_left(&run->outlook, run->scene, world->stage, world->stage_step, &kind);
     *message = (shakedown_status_t){
         .run_id = run->options->run_id,
         .seq = run->status_seq++,
@@ -156,7 +154,8 @@ static void fill_status(struct run *run, double now, shakedown_status_t *message
         .fraction_done = run->fraction_done,
         .steps_per_second = run->steps_per_second,
         .elapsed_s = now - run->start_s,
-        .time_left_s = run->steps_per_second > 0 ? steps_left(run) / run->steps_per_second : -1,
+        .time_left_s = run->steps_per_second > 0 ? steps_left / run->steps_per_second : -1,
+        .time_left_kind = (int8_t)kind,
         .dimension = world->particles.dimension,
         .strain = strain,
         .stress_wall_pa = stress,
@@ -359,6 +358,7 @@ static enum status loop(struct run *run)
         TRY(world_command(run->world, command));
         if (changes) {
             run->frame_strain_next = 0;
+            run->outlook = (struct outlook){0};
             TRY(record_step(run));
         }
         TRY(interval(run, &state));

@@ -29,6 +29,12 @@ static void test_full_line(void **state)
     shakedown_status_t status = shear_at_45_percent();
     progress_format(text, &status, 0);
     assert_string_equal(text, "stage 2/3 shear   45 %  12.3 µs/step  1:23 left  energy residual 1.0e-05");
+    status.time_left_kind = 1;
+    progress_format(text, &status, 0);
+    assert_non_null(strstr(text, "  about 1:23 left  "));
+    status.time_left_kind = 2;
+    progress_format(text, &status, 0);
+    assert_non_null(strstr(text, "  at most 1:23 left  "));
     status.records_repeated = 7;
     progress_format(text, &status, 0);
     assert_non_null(strstr(text, "sent again: 0 commands, 7 records"));

@@ -11,6 +11,7 @@
 
 #include "common/record_stream.h"
 #include "shakedown_frame_contacts_t.h"
+#include "sim/outlook.h"
 #include "sim/random.h"
 #include "sim/records.h"
 
@@ -417,6 +418,112 @@ static void chunks_fit_into_messages(void **state)
     fixture_close(&f);
 }
 
+/* ---- the time left ---- */
+
+/* Three stages of 1000 steps each; what the middle one is told, and the last. */
+static struct scene *outlook_scene(const char *middle, const char *last)
+{
+    char text[1024];
+    snprintf(text, sizeof text,
+             "dimension = 2; sample = { count = 4; radius_min_m = 1e-3; radius_max_m = 1e-3;"
+             " density_kg_per_m3 = 2e3; };\nmaterial = { kn_n_per_m = 1e3; };\n"
+             "stages = ( { name = \"a\"; dt_s = 1e-6; duration_s = 1e-3; },\n"
+             "           { name = \"b\"; dt_s = 2e-6; duration_s = 2e-3; %s },\n"
+             "           { name = \"c\"; dt_s = 1e-6; duration_s = 1e-3; %s } );\n",
+             middle, last);
+    return fixture_scene_of(text);
+}
+
+static void expect_left(const struct outlook *outlook, const struct scene *scene, int stage, int64_t stage_step,
+                        double expected, enum outlook_kind kind)
+{
+    enum outlook_kind got;
+    double steps = outlook_steps_left(outlook, scene, stage, stage_step, &got);
+    assert_close("steps left", steps, expected, 1e-9 * expected);
+    assert_int_equal(got, kind);
+}
+
+/* Samples at every 10th step in [from, to] of exp(-step/50) times 1 + swing sin(step/7). */
+static struct outlook decay(int from, int to, double swing)
+{
+    struct outlook outlook = {0};
+    for (int step = from; step <= to; step += 10)
+        outlook_add(&outlook, step, exp(-step / 50.0) * (1 + swing * sin(step / 7.0)));
+    return outlook;
+}
+
+static void lengths_that_are_known(void **state)
+{
+    const struct outlook none = {0};
+    struct scene *scene = outlook_scene("", "");
+    (void)state;
+    expect_left(&none, scene, -1, 0, 3000, OUTLOOK_KNOWN);
+    expect_left(&none, scene, 1, 250, 1750, OUTLOOK_KNOWN);
+    expect_left(&none, scene, 2, 999, 1, OUTLOOK_KNOWN);
+    fixture_scene_free(scene);
+}
+
+/* A pure decay meets exp(-10) at step 500 to rounding: sums of 20 terms. */
+static void a_decay_is_extrapolated(void **state)
+{
+    struct scene *scene = outlook_scene("until_energy_ratio = 4.5399929762484854e-5;", "");
+    struct outlook pure = decay(10, 200, 0), three = decay(10, 30, 0);
+    (void)state;
+    expect_left(&pure, scene, 1, 200, 300 + 1000, OUTLOOK_EXTRAPOLATED);
+    expect_left(&pure, scene, 1, 207, 293 + 1000, OUTLOOK_EXTRAPOLATED);
+    expect_left(&three, scene, 1, 30, 970 + 1000, OUTLOOK_AT_MOST); /* too few */
+    expect_left(&pure, scene, 0, 200, 2800, OUTLOOK_AT_MOST);       /* the stage before has a length */
+    fixture_scene_free(scene);
+}
+
+/* With a swing by half: ln 1.5 and ln 0.5 of the last ratio are 20 and 35 steps of a decay by 50; the slope is off by
+ * less than a fifth from 200 steps on, where the swing has gone round four times. */
+static void a_swing_does_little(void **state)
+{
+    struct scene *scene = outlook_scene("until_energy_ratio = 4.5399929762484854e-5;", "");
+    (void)state;
+    for (int step = 200; step < 450; step += 10) {
+        struct outlook swinging = decay(10, step, 0.5);
+        enum outlook_kind kind;
+        double end = step + outlook_steps_left(&swinging, scene, 1, step, &kind) - 1000;
+        assert_int_equal(kind, OUTLOOK_EXTRAPOLATED);
+        assert_close("end of the stage", end, 500, 35 + 0.2 * (500 - step) + 10);
+    }
+    fixture_scene_free(scene);
+}
+
+/* No trend, or one away from it; met already; the limits of time on both sides; the stress. */
+static void what_cannot_be_told_is_a_limit(void **state)
+{
+    struct scene *scene = outlook_scene("until_energy_ratio = 1e-5;", "");
+    struct outlook growing = {0}, still = {0}, fast = decay(10, 200, 0), strange = decay(10, 200, 0);
+    (void)state;
+    for (int k = 1; k <= 20; k++) {
+        outlook_add(&growing, 10 * k, exp(k));
+        outlook_add(&still, 10 * k, 1e-3 * (1 + 0.1 * (k % 2)));
+    }
+    expect_left(&growing, scene, 1, 200, 1800, OUTLOOK_AT_MOST);
+    expect_left(&still, scene, 1, 200, 1800, OUTLOOK_AT_MOST);
+    outlook_add(&strange, 201, NAN);
+    outlook_add(&strange, 202, INFINITY);
+    outlook_add(&strange, 203, 0);
+    assert_true(strange.samples == fast.samples && strange.last_step == fast.last_step && strange.sl == fast.sl);
+    fixture_scene_free(scene);
+    scene = outlook_scene("until_energy_ratio = 1e-300;", "");
+    expect_left(&fast, scene, 1, 200, 1800, OUTLOOK_EXTRAPOLATED); /* not beyond the limit */
+    fixture_scene_free(scene);
+    scene = outlook_scene("until_energy_ratio = 0.1; min_duration_s = 1e-3; until_stress_error = 1e-2;", "");
+    expect_left(&fast, scene, 1, 200, 300 + 1000, OUTLOOK_EXTRAPOLATED);
+    expect_left(&fast, scene, 1, 510, 490 + 1000, OUTLOOK_AT_MOST); /* it waits for the stress */
+    fixture_scene_free(scene);
+    scene = outlook_scene("until_stress_error = 1e-2;", "");
+    expect_left(&fast, scene, 1, 200, 1800, OUTLOOK_AT_MOST);
+    fixture_scene_free(scene);
+    scene = outlook_scene("until_energy_ratio = 4.5399929762484854e-5;", "until_energy_ratio = 1e-5;");
+    expect_left(&fast, scene, 1, 200, 300 + 1000, OUTLOOK_AT_MOST); /* of the last stage nothing is known */
+    fixture_scene_free(scene);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -432,6 +539,10 @@ int main(int argc, char **argv)
         cmocka_unit_test(effective_configurations_read_back),
         cmocka_unit_test(overrides_reach_their_keys),
         cmocka_unit_test(chunks_fit_into_messages),
+        cmocka_unit_test(lengths_that_are_known),
+        cmocka_unit_test(a_decay_is_extrapolated),
+        cmocka_unit_test(a_swing_does_little),
+        cmocka_unit_test(what_cannot_be_told_is_a_limit),
     };
     scene_files = argv + 1;
     n_scene_files = argc - 1;

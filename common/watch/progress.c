@@ -70,6 +70,11 @@ static void PRINTF_LIKE(2, 3) line_add(struct line *line, const char *format, ..
     line->used += columns;
 }
 
+static const char *left_prefix(int kind)
+{
+    return kind == 0 ? "" : kind == 1 ? "about " : "at most ";
+}
+
 void progress_format(char *text, const shakedown_status_t *status, int columns)
 {
     struct line line = {.text = text, .columns = columns};
@@ -81,7 +86,7 @@ void progress_format(char *text, const shakedown_status_t *status, int columns)
     line_add(&line, "%s", part);
     if (status->time_left_s >= 0) {
         duration_text(part, sizeof part, status->time_left_s);
-        line_add(&line, "%s left", part);
+        line_add(&line, "%s%s left", left_prefix(status->time_left_kind), part);
     }
     line_add(&line, "energy residual %.1e", status->energy_residual_ratio);
     if (status->commands_repeated > 0 || status->records_repeated > 0)
