@@ -100,7 +100,8 @@ static void ack_take(struct record_stream *stream, const shakedown_record_ack_t 
         stream->acked[c] = ack->next_seq[c];
         progress = true;
     }
-    if (ack->next_wall_seq > stream->acked_walls) {
+    /* one more: a recorder may have heard a command that is still on its way to here */
+    if (ack->next_wall_seq > stream->acked_walls && ack->next_wall_seq <= stream->walls_end + 1) {
         stream->acked_walls = ack->next_wall_seq;
         stream->walls_at_s = clock_now_s();
     }

@@ -72,6 +72,12 @@ static enum status call_law(struct exchange *exchange, const struct wall_state *
     return STATUS_OK;
 }
 
+static enum status state_repeat(struct exchange *exchange)
+{
+    exchange->repeated++;
+    return publish_state(exchange, &exchange->asked);
+}
+
 static void exchange_close(struct exchange *exchange)
 {
     exchange->open = false;
@@ -95,8 +101,7 @@ static enum status wait_for_answer(struct exchange *exchange)
             return status_fail(STATUS_TIMEOUT, "step %lld: wallctl did not answer within %g s", (long long)state->step,
                                exchange->scene->coupling.timeout_s);
         if (now - sent >= RESEND_S) {
-            TRY(publish_state(exchange, state));
-            exchange->repeated++;
+            TRY(state_repeat(exchange));
             sent = now;
         }
     }
@@ -110,6 +115,8 @@ enum status exchange_settle(struct exchange *exchange)
     while (exchange->open && !exchange->answered && clock_now_s() - start < STOP_PATIENCE_S) {
         bool handled;
         TRY(bus_handle(exchange->bus, (int)(1000 * RESEND_S), &handled));
+        if (!handled)
+            TRY(state_repeat(exchange));
     }
     if (exchange->open && exchange->answered)
         exchange_close(exchange);

@@ -35,8 +35,8 @@ enum status exchange_ask(struct exchange *exchange, const struct wall_state *sta
  * stop was requested meanwhile. */
 enum status exchange_answer(struct exchange *exchange, struct wall_command *command) MUST_USE;
 
-/* At the end of a run, whatever ended it: waits for an answer on its way, so that states and commands are counted as a
- * recorder has heard them. */
+/* At the end of a run, whatever ended it: waits a while for an answer on its way, so that states and commands are
+ * counted as a recorder has heard them. */
 enum status exchange_settle(struct exchange *exchange) MUST_USE;
 
 /* Exchanges begun: states sent, repeats not counted. `seq` counts the commands. */

@@ -583,6 +583,17 @@ static void stream_gives_up(void **unused)
     bus_close(&bus);
 }
 
+static void walls_acknowledge(struct bus *bus, int64_t exchanges)
+{
+    unsigned char buffer[256];
+    int64_t none[RECORD_CHANNELS] = {0};
+    const shakedown_record_ack_t ack = {
+        .run_id = RUN, .next_wall_seq = exchanges, .n_channels = RECORD_CHANNELS, .next_seq = none};
+    int size = shakedown_record_ack_t_encode(buffer, 0, sizeof buffer, &ack);
+    assert_true(size > 0);
+    must(bus_publish(bus, CHANNEL_RECORD_ACK, buffer, (size_t)size));
+}
+
 /* A window of wall exchanges without a recorder: they go out again in rounds, each time all of them as they are; the
  * next one waits, and then STATUS_TIMEOUT. */
 static void stream_gives_up_walls(void **unused)
@@ -606,6 +617,11 @@ static void stream_gives_up_walls(void **unused)
     assert_int_equal(states + commands, 0); /* whoever keeps them has sent them */
     assert_int_equal(record_stream_wait_for_walls(stream, WALLS_WINDOW), STATUS_TIMEOUT);
     assert_non_null(strstr(status_message(), "recorder of run 4711 acknowledged no wall message"));
+    drain(&listener, 100);
+    walls_acknowledge(&listener, WALLS_WINDOW + 2); /* of what never was: not to be believed */
+    assert_int_equal(record_stream_wait_for_walls(stream, WALLS_WINDOW), STATUS_TIMEOUT);
+    walls_acknowledge(&listener, 1);
+    must(record_stream_wait_for_walls(stream, WALLS_WINDOW));
     drain(&listener, 100);
     assert_true(states >= WALLS_WINDOW && states % WALLS_WINDOW == 0 && commands == states);
     assert_int_equal(record_stream_repeated(stream), 2 * states);
