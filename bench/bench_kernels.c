@@ -110,23 +110,37 @@ static enum status place(struct sample *s, struct random *random)
     return STATUS_OK;
 }
 
-/* Springs lie across the direction `along` of the pair, but for the disorder of the lattice. */
-static void history(struct contact_list *list, int k, int along, struct random *random)
+/* In space, springs lie across the direction d of the contact. */
+static void history(struct contact_list *list, int k, const double *d, struct random *random)
 {
+    double along = 0, d2 = 0;
     contact_list_clear(list, k);
     if (list->hysteretic)
         list->history[k] = 2e-5 * random_uniform(random);
-    for (int c = 0; c < list->n_springs; c++)
-        list->spring[c][k] = c == along ? 0 : 2e-5 * (random_uniform(random) - 0.5);
+    for (int c = 0; c < list->n_springs; c++) {
+        list->spring[c][k] = 2e-5 * (random_uniform(random) - 0.5);
+        along += list->spring[c][k] * d[c];
+        d2 += d[c] * d[c];
+    }
+    for (int c = 0; c < list->n_springs && list->n_springs == 3; c++)
+        list->spring[c][k] -= along * d[c] / d2;
 }
 
-static void add(struct contact_list *list, int i, int j, int along, double reach, struct random *random)
+static void add(struct contact_list *list, int i, int j, const double *d, double reach, struct random *random)
 {
     int k = list->count++;
     list->i[k] = i;
     list->j[k] = j;
     list->reach[k] = reach;
-    history(list, k, list->n_springs == 3 ? along : -1, random);
+    history(list, k, d, random);
+}
+
+static void add_pair(struct sample *s, int i, int j, struct random *random)
+{
+    double d[3];
+    for (int c = 0; c < s->p.dimension; c++)
+        d[c] = s->p.x[c][i] - s->p.x[c][j];
+    add(&s->pairs, i, j, d, s->p.radius[i] + s->p.radius[j], random);
 }
 
 static enum status list_init(struct contact_list *list, const struct sample *s, int capacity)
@@ -140,18 +154,20 @@ static enum status list_init(struct contact_list *list, const struct sample *s, 
 static enum status connect(struct sample *s, struct random *random)
 {
     const int side = s->model.dimension == 2 ? SIDE_2D : SIDE_3D, dim = s->model.dimension;
+    const double across[3] = {1, 0, 0};
     TRY(list_init(&s->pairs, s, dim * s->p.count));
     TRY(list_init(&s->wall.contacts, s, s->p.count));
     s->wall.inward = 1;
     for (int i = 0; i < s->p.count; i++) {
         for (int c = 0, step = 1; c < dim; c++, step *= side)
             if (i / step % side + 1 < side && random_uniform(random) < 0.98)
-                add(&s->pairs, i, i + step, c, s->p.radius[i] + s->p.radius[i + step], random);
+                add_pair(s, i, i + step, random);
         if (i % side == 0)
-            add(&s->wall.contacts, i, s->p.count, 0, s->p.radius[i], random);
+            add(&s->wall.contacts, i, s->p.count, across, s->p.radius[i], random);
     }
-    TRY(contact_list_close(&s->pairs, &s->p));
-    return contact_list_close(&s->wall.contacts, &s->p);
+    particles_listed(&s->p, 2e-4);
+    TRY(contact_list_close(&s->pairs, &s->p, NULL));
+    return contact_list_close(&s->wall.contacts, &s->p, &s->wall);
 }
 
 static enum status sample_init(struct sample *s, struct model model)

@@ -357,7 +357,7 @@ static enum status get_items(hid_t file, struct world *world, struct run_progres
     TRY(renumber_set_slots(&world->particles));
     TRY(lists_check(world));
     for (int l = 0; l <= world->n_walls; l++)
-        TRY(contact_list_close(list_of(world, l), &world->particles));
+        TRY(contact_list_close(list_of(world, l), &world->particles, l > 0 ? &world->walls[l - 1] : NULL));
     return STATUS_OK;
 }
 
@@ -391,6 +391,7 @@ static enum status content_fill(struct content *content, hid_t file, const char 
     const struct neighbor before = content->world->neighbor;
     TRY(world_init_lists(content->world)); /* needs the radii */
     content->world->neighbor.skin = before.skin;
+    particles_set_views(&content->world->particles, before.skin);
     content->world->neighbor.rebuilds = before.rebuilds;
     content->world->neighbor.built_step = before.built_step;
     return STATUS_OK;

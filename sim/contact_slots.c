@@ -6,18 +6,20 @@
 #include "sim/deal.h"
 #include "sim/memory.h"
 
-static enum status slots_reserve(struct contact_list *list)
+static enum status slots_reserve(struct contact_list *list, int dimension)
 {
     struct contact_slots *slots = &list->slots;
     const size_t real = list->single ? sizeof(float) : sizeof(double);
-    const int read_ahead = 3; /* by the pair kernels */
-    if (list->n_sets + read_ahead <= slots->capacity)
+    if (list->n_sets <= slots->capacity)
         return STATUS_OK;
-    size_t sets = (size_t)list->n_sets + (size_t)list->n_sets / 8 + (size_t)read_ahead;
+    size_t sets = (size_t)list->n_sets + (size_t)list->n_sets / 8;
     size_t size = sets * SET_WIDTH;
     TRY(array_resize(&slots->first, sizeof *slots->first, sets, 0));
     TRY(array_resize(&slots->row, sizeof *slots->row, size, 0));
-    TRY(array_resize(&slots->reach2, sizeof *slots->reach2, size, 0));
+    for (int c = 0; list->single && c < dimension; c++)
+        TRY(array_resize(&slots->built[c], sizeof(float), size, 0));
+    if (list->single)
+        TRY(array_resize(&slots->gap, sizeof(float), size, 0));
     TRY(array_resize(&slots->reach, real, size, 0));
     if (list->hysteretic)
         TRY(array_resize(&slots->history, real, size, 0));
@@ -51,14 +53,21 @@ static double sign_of(const struct contact_list *list, int k)
     return list->n_springs == 3 && list->slot[k] % 2 ? -1 : 1;
 }
 
-static void empty_slots(struct contact_list *list, uint32_t padding_row, double nothing)
+/* The padding particle is nowhere near: single by `built` and `gap`, double by its place, but walls know no distance to
+ * it: `nothing` is its reach. */
+static void empty_slots(struct contact_list *list, int dimension, uint32_t padding_row, double nothing)
 {
     const size_t size = (size_t)list->n_sets * SET_WIDTH, real = list->single ? sizeof(float) : sizeof(double);
     struct contact_slots *slots = &list->slots;
     for (size_t s = 0; s < size; s++) {
         slots->row[s] = padding_row;
-        slots->reach2[s] = nothing;
+        if (list->single) {
+            slots->gap[s] = -1;
+            slots->built[0][s] = 1;
+        }
     }
+    for (int c = 1; list->single && c < dimension; c++)
+        memset(slots->built[c], 0, real * size);
     if (list->hysteretic)
         memset(slots->history, 0, real * size);
     if (list->n_springs)
@@ -67,17 +76,38 @@ static void empty_slots(struct contact_list *list, uint32_t padding_row, double 
         memset(slots->spring[c], 0, real * size);
         memset(slots->rest[c], 0, real * size);
     }
-    memset(slots->reach, 0, real * size);
+    for (size_t s = 0; s < size; s++)
+        put(list, slots->reach, s, nothing);
 }
 
-static void fill_slots(struct contact_list *list, bool wall, uint32_t stride)
+/* Single: where the partner of slot s was when the lists were built, from particle i; of walls only how far. */
+static void fill_built(struct contact_list *list, size_t s, double reach, const struct particles *p, int i, int j,
+                       const struct wall *wall)
+{
+    struct contact_slots *slots = &list->slots;
+    if (wall) {
+        slots->gap[s] = (float)(reach - wall->inward * (p->x_list[wall->axis][i] - wall->x_list));
+        return;
+    }
+    double gap = reach * reach;
+    for (int c = 0; c < p->dimension; c++) {
+        double d = p->x_list[c][i] - p->x_list[c][j];
+        slots->built[c][s] = (float)d;
+        gap -= d * d;
+    }
+    slots->gap[s] = (float)gap;
+}
+
+static void fill_slots(struct contact_list *list, const struct particles *p, const struct wall *wall, uint32_t stride)
 {
     struct contact_slots *slots = &list->slots;
     for (int k = 0; k < list->count; k++) {
         const size_t s = list->slot[k] / 2;
-        const int j = wall || list->slot[k] % 2 ? list->i[k] : list->j[k];
+        const bool turned = wall || list->slot[k] % 2;
+        const int i = turned && !wall ? list->j[k] : list->i[k], j = turned ? list->i[k] : list->j[k];
         slots->row[s] = stride * (uint32_t)j;
-        slots->reach2[s] = wall ? list->reach[k] : list->reach[k] * list->reach[k];
+        if (list->single)
+            fill_built(list, s, list->reach[k], p, i, j, wall);
         put(list, slots->reach, s, list->reach[k]);
         if (list->hysteretic)
             put(list, slots->history, s, list->history[k]);
@@ -90,37 +120,36 @@ static void fill_slots(struct contact_list *list, bool wall, uint32_t stride)
     }
 }
 
-static enum status assign(struct contact_list *list, bool wall, int n_particles)
+static enum status assign(struct contact_list *list, bool wall, int n_particles, int dimension)
 {
     struct deal deal;
     if (wall) {
         list->n_sets = (list->count + SET_WIDTH - 1) / SET_WIDTH;
         for (int k = 0; k < list->count; k++)
             list->slot[k] = 2 * (uint32_t)k;
-        return slots_reserve(list);
+        return slots_reserve(list, dimension);
     }
     TRY(deal_pairs(list, n_particles, &deal));
-    TRY(slots_reserve(list));
+    TRY(slots_reserve(list, dimension));
     for (int b = 0; b < deal.n_blocks; b++)
         for (int set = deal.first[b]; set < deal.first[b + 1]; set++)
             list->slots.first[set] = (uint32_t)(SET_WIDTH * b);
     return STATUS_OK;
 }
 
-enum status contact_list_close(struct contact_list *list, const struct particles *particles)
+enum status contact_list_close(struct contact_list *list, const struct particles *particles, const struct wall *wall)
 {
     const uint32_t stride = RECORD_STRIDE(particles->dimension, particles->n_rotations > 0, particles->single);
-    const bool wall = list->count > 0 && list->j[0] >= particles->count;
     if (list->count > INT32_MAX / (4 * SET_WIDTH))
         return status_fail(STATUS_LIMIT, "%d candidates for contact are too many", list->count);
     list->n_sets = 0;
     list->closed = true;
     if (list->count == 0)
         return STATUS_OK;
-    TRY(assign(list, wall, particles->count));
+    TRY(assign(list, wall != NULL, particles->count, particles->dimension));
     /* nothing: no reach, and for walls less than none, for they know no distance to the padding particle */
-    empty_slots(list, stride * (uint32_t)particles_padding(particles), wall ? -1e30 : 0);
-    fill_slots(list, wall, stride);
+    empty_slots(list, particles->dimension, stride * (uint32_t)particles_padding(particles), wall ? -1e30 : 0);
+    fill_slots(list, particles, wall, stride);
     return STATUS_OK;
 }
 

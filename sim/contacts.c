@@ -94,7 +94,9 @@ void contact_list_free(struct contact_list *list)
     free(list->scratch);
     free(list->slots.first);
     free(list->slots.row);
-    free(list->slots.reach2);
+    free(list->slots.gap);
+    for (int c = 0; c < 3; c++)
+        free(list->slots.built[c]);
     free(list->slots.reach);
     free(list->slots.history);
     free(list->slots.sliding);

@@ -38,7 +38,8 @@ struct contact_slots {
     int capacity;    /* in sets */
     uint32_t *first; /* [n_sets] pairs: the first of the particles i */
     uint32_t *row;   /* [slots] where the record of j starts [doubles]; walls: that of i */
-    double *reach2;  /* (a_i + a_j)^2 [m^2], single only; walls: a_i [m] */
+    float *built[3]; /* single: x_i - x_j when the lists were built [m]; not of walls */
+    float *gap;      /* single: (a_i + a_j)^2 less that distance's square [m^2]; of walls the overlap then [m] */
     void *reach;     /* a_i + a_j, walls a_i [m] */
     void *history;   /* as below */
     void *spring[3]; /* of i against j */
@@ -99,8 +100,10 @@ void contact_list_carry(struct contact_list *to, int t, const struct contact_lis
 void contact_list_clear(struct contact_list *to, int t);
 
 /* Hands the list over to the kernels: finds slots and copies the history there. To be called whenever i, j, reach or
- * the history have changed. Errors: STATUS_NO_MEMORY. */
-enum status contact_list_close(struct contact_list *list, const struct particles *particles) MUST_USE;
+ * the history have changed, with x_list of the particles and of the wall as they were built for. wall: NULL for pairs.
+ * Errors: STATUS_NO_MEMORY. */
+enum status contact_list_close(struct contact_list *list, const struct particles *particles,
+                               const struct wall *wall) MUST_USE;
 
 /* Makes room for `capacity` members; contents are kept. */
 enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension) MUST_USE;

@@ -11,19 +11,20 @@ static size_t bytes_per_particle(const struct particles *p)
     size_t real = p->single ? sizeof(float) : sizeof(double);
     size_t reals =
         4 * (size_t)p->dimension + 2 * (size_t)p->n_rotations + 3; /* x v a x_list, omega alpha, radius ... */
-    size_t sums = RECORD_STRIDE(p->dimension, frictional, p->single) / 2 * sizeof(double);
+    size_t sums = (size_t)ROW_BYTES(p->dimension, frictional, p->single);
+    size_t record = RECORD_STRIDE(p->dimension, frictional, p->single) * sizeof(double);
     size_t columns = (size_t)(p->dimension + p->n_rotations) * real;
-    size_t views = p->single ? (size_t)(p->dimension + p->n_rotations + frictional) * sizeof(float) : 0;
-    return (reals + frictional) * sizeof(double) + 3 * sums + columns + views;
+    size_t views = p->single ? (size_t)(2 * p->dimension + p->n_rotations + frictional) * sizeof(float) : 0;
+    return (reals + frictional) * sizeof(double) + record + sums + columns + views;
 }
 
 /* What the kernels read and write. */
-static size_t bytes_per_candidate(const struct contact_list *list)
+static size_t bytes_per_candidate(const struct contact_list *list, int dimension)
 {
     size_t real = list->single ? sizeof(float) : sizeof(double), reals = 1;
     reals += list->hysteretic;
     reals += list->n_springs ? (1 + (size_t)list->single) * (size_t)list->n_springs + 1 : 0;
-    return sizeof(uint32_t) + (list->single ? sizeof(double) : 0) + reals * real;
+    return sizeof(uint32_t) + (list->single ? (1 + (size_t)dimension) * sizeof(float) : 0) + reals * real;
 }
 
 static void explain_contact_time(FILE *out, const struct world *world)
@@ -60,7 +61,7 @@ enum status explain_scene(FILE *out, const struct scene *scene)
     fprintf(out, "modelled per candidate contact: force%s%s: %zu bytes\n",
             world->pairs.hysteretic ? ", largest overlap" : "",
             world->pairs.n_springs ? ", tangential spring, stick or slide" : "; no tangential force",
-            bytes_per_candidate(&world->pairs));
+            bytes_per_candidate(&world->pairs, p->dimension));
     fprintf(out, "starting box %g x %g", world_box_length_m(world, 0), world_box_length_m(world, 1));
     if (p->dimension == 3)
         fprintf(out, " x %g", world_box_length_m(world, 2));

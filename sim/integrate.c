@@ -101,7 +101,10 @@ static enum status renew_lists(struct world *world)
     neighbor_tune(neighbor, &world->particles, world->walls, world->n_walls, world->step);
     world->pairs.search_max = neighbor_search_max(neighbor, world->step);
     neighbor->built_step = world->step;
-    return world_build_lists(world);
+    TRY(world_build_lists(world));
+    if (world->particles.single) /* their records count from the lists */
+        (void)threads_drift(&world->threads, &world->kernels, &world->particles, 0, INFINITY);
+    return STATUS_OK;
 }
 
 /* Puts the particles into a new order when it is due. The state is complete: nothing of the step has been done. */

@@ -1,4 +1,5 @@
 /* The kernels in vectors; compiled for this instruction set alone (CMakeLists.txt). */
+#include <math.h>
 #include <string.h>
 
 #include "sim/kernels.h"

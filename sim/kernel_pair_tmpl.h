@@ -1,128 +1,126 @@
 /* Pairs and walls: from the particles' records to forces and their sums; parameters as of kernel_law_tmpl.h. */
 
-/* What of a pair comes from the records and the list. */
-struct NAME(approach) {
-    real d[DIM], g[DIM], w[3], spin[3]; /* the last three as the law wants them */
-#if SINGLE
-    real gap, reach; /* reach^2 - d^2, from double; reach */
-#else
-    real d2; /* squared distance */
-#endif
-};
-
-/* The same with normal and overlap. */
-struct NAME(meeting) {
-    real n[DIM], g[DIM], w[3], spin[3], delta;
-};
-
-/* Records of LANES particles: position against `from`, [DIM][PARTS], velocity and rotation. */
+/* Records of LANES particles: position, velocity, rotation. Single: positions are those of the lists plus so many
+ * quanta, integers in a float's place. */
 struct NAME(other) {
-    f64 d[DIM][PARTS];
-    real v[DIM], omega[3];
+    real x[DIM], v[DIM], omega[3];
 };
 
-/* `from`[DIM]: arrays of LANES coordinates, of which those of the records are taken off. */
-LANES_INLINE struct NAME(other) NAME(other)(const double *record, const uint32_t *row, const double *const *from)
+LANES_INLINE struct NAME(other) NAME(other)(const struct particles *p, const uint32_t *row)
 {
-    struct NAME(other) to;
+    struct NAME(other) to = {0};
+    real block[8];
 #if SINGLE
-    f64 first[PARTS], second[PARTS];
-    for (int h = 0; h < PARTS; h++) {
-        f64 block[4];
-        f64_gather4(record, row + h * F64_LANES, block);
-        for (int c = 0; c < DIM; c++)
-            to.d[c][h] = f64_load(from[c] + h * F64_LANES) - block[c];
-        first[h] = block[DIM];
-        second[h] = block[3];
-    }
-    f32_split(first, &to.v[0], &to.v[1]);
-    (void)second;
-#if DIM == 2 && FRICTIONAL
-    real air;
-    f32_split(second, &to.omega[0], &air);
-#elif DIM == 3
-    f32 block[4];
-    f32_gather4(record + 4, row, block);
-    to.v[2] = block[0];
-    for (int c = 0; c < 3; c++)
-        to.omega[c] = block[1 + c];
-#endif
-#else
-    f64 block[4];
-    f64_gather4(record, row, block);
-    for (int c = 0; c < DIM; c++)
-        to.d[c][0] = f64_load(from[c]) - block[c];
 #if DIM == 2
-    to.v[0] = block[2];
-    to.v[1] = block[3];
-#if FRICTIONAL
-    f64_gather4(record + 4, row, block);
-    to.omega[0] = block[0];
+    f32_gather4(p->record, row, block);
+#else
+    f32_gather8(p->record, row, block);
+#endif
+    for (int c = 0; c < DIM; c++) {
+        to.x[c] = block[c];
+        to.v[c] = block[DIM + c];
+    }
+#if FRICTIONAL && DIM == 2
+    to.omega[0] = f32_gather(p->view_omega[0], row, RECORD_STRIDE(2, 1, 1));
+#elif FRICTIONAL
+    to.omega[0] = block[6];
+    to.omega[1] = block[7];
+    to.omega[2] = f32_gather(p->view_omega[2], row, RECORD_STRIDE(3, 1, 1));
 #endif
 #else
-    f64_gather4(record + 4, row, block);
-    for (int c = 0; c < 3; c++)
-        to.v[c] = block[c];
-#if FRICTIONAL
-    f64_gather4(record + 8, row, block);
-    for (int c = 0; c < 3; c++)
-        to.omega[c] = block[c];
+    const double *record = p->record;
+    f64_gather4(record, row, block);
+#if DIM == 2
+    for (int c = 0; c < 2; c++) {
+        to.x[c] = block[c];
+        to.v[c] = block[2 + c];
+    }
+#else
+    f64_gather4(record + 4, row, block + 4);
+    for (int c = 0; c < 3; c++) {
+        to.x[c] = block[c];
+        to.v[c] = block[4 + c];
+    }
 #endif
+#if FRICTIONAL
+    f64_gather4(record + 4 * (DIM - 1), row, block);
+    for (int c = 0; c < SPRINGS; c++)
+        to.omega[c] = block[c];
 #endif
 #endif
     return to;
 }
 
-/* First part of a set of pairs: the particles i from `first` on, side by side, and the records of j. */
-LANES_INLINE struct NAME(approach)
-    NAME(approach)(const struct particles *p, const struct contact_slots *slots, size_t k)
+/* The particles i from `first` on, which stand side by side. */
+LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, size_t first)
 {
-    struct NAME(approach) to = {0};
-    const size_t i = (size_t)slots->first[k / SET_WIDTH] + k % SET_WIDTH;
-    const double *from[DIM];
-    for (int c = 0; c < DIM; c++)
-        from[c] = p->x[c] + i;
-    struct NAME(other) j = NAME(other)(p->record, slots->row + k, from);
+    struct NAME(other) to = {0};
+    for (int c = 0; c < DIM; c++) {
 #if SINGLE
-    f64 gap[PARTS];
-    for (int h = 0; h < PARTS; h++) {
-        gap[h] = f64_load(slots->reach2 + k + (size_t)h * F64_LANES);
-        for (int c = 0; c < DIM; c++)
-            gap[h] = f64_fma(-j.d[c][h], j.d[c][h], gap[h]);
-    }
-    to.gap = f32_of(gap);
-    for (int c = 0; c < DIM; c++) {
-        to.d[c] = f32_of(j.d[c]);
-        to.g[c] = f32_load(p->view_v[c] + i) - j.v[c];
-    }
-    to.reach = real_load((const scalar *)slots->reach + k);
+        to.x[c] = f32_load((const float *)p->view_u[c] + first);
+        to.v[c] = f32_load(p->view_v[c] + first);
 #else
-    for (int c = 0; c < DIM; c++) {
-        to.d[c] = j.d[c][0];
-        to.g[c] = f64_load(p->v[c] + i) - j.v[c];
+        to.x[c] = f64_load(p->x[c] + first);
+        to.v[c] = f64_load(p->v[c] + first);
+#endif
     }
-    to.d2 = f64_fma(to.d[1], to.d[1], to.d[0] * to.d[0]);
-#if DIM == 3
-    to.d2 = f64_fma(to.d[2], to.d[2], to.d2);
-#endif
-#endif
 #if FRICTIONAL
-#if SINGLE
-    real a_i = f32_load(p->view_radius + i), a_j = to.reach - a_i;
-#else
-    real a_i = f64_load(p->radius + i), a_j = real_load((const scalar *)slots->reach + k) - a_i;
-#endif
     for (int c = 0; c < SPRINGS; c++) {
 #if SINGLE
-        real omega_i = f32_load(p->view_omega[c] + i);
+        to.omega[c] = f32_load(p->view_omega[c] + first);
 #else
-        real omega_i = f64_load(p->omega[c] + i);
+        to.omega[c] = f64_load(p->omega[c] + first);
 #endif
-        to.w[c] = real_fma(a_i, omega_i, a_j * j.omega[c]);
-        to.spin[c] = omega_i + j.omega[c];
     }
 #endif
     return to;
+}
+
+/* First part of a set of pairs: what the law wants to know of them, up to where roots are drawn. */
+LANES_INLINE struct NAME(meeting)
+    NAME(meet)(const struct particles *p, const struct contact_slots *slots, scalar quantum, size_t k)
+{
+    struct NAME(meeting) at;
+    const size_t first = (size_t)slots->first[k / SET_WIDTH] + k % SET_WIDTH;
+    const struct NAME(other) i = NAME(beside)(p, first), j = NAME(other)(p, slots->row + k);
+    const real reach = real_load((const scalar *)slots->reach + k);
+#if SINGLE
+    /* d = D + q (u_i - u_j), D at the last build; reach^2 - d^2 = (reach^2 - D^2) - (d + D)(d - D), of which nothing is
+     * a difference of large numbers; delta = (reach^2 - d^2)/(reach + |d|) */
+    real gap = real_load(slots->gap + k);
+    for (int c = 0; c < DIM; c++) {
+        real built = real_load(slots->built[c] + k), moved = real_all(quantum) * f32_of_difference(i.x[c], j.x[c]);
+        at.d[c] = built + moved;
+        gap = real_fma(-moved, at.d[c] + built, gap);
+    }
+    real distance = f32_sqrt(NAME(inner)(at.d, at.d)), sum = reach + distance;
+    real both = real_all(1.0) / (distance * sum);
+    at.inverse = both * sum;
+    at.delta = gap * (both * distance);
+#else
+    (void)quantum;
+    for (int c = 0; c < DIM; c++)
+        at.d[c] = i.x[c] - j.x[c];
+    real d2 = NAME(inner)(at.d, at.d);
+    at.inverse = lanes_rsqrt(d2, f64_rsqrt_seed(d2));
+    at.delta = reach - d2 * at.inverse;
+#endif
+    for (int c = 0; c < DIM; c++)
+        at.g[c] = i.v[c] - j.v[c];
+#if FRICTIONAL
+#if SINGLE
+    real a_i = f32_load(p->view_radius + first), a_j = reach - a_i;
+#else
+    real a_i = f64_load(p->radius + first), a_j = reach - a_i;
+#endif
+    for (int c = 0; c < SPRINGS; c++) {
+        at.w[c] = real_fma(a_i, i.omega[c], a_j * j.omega[c]);
+#if DIM == 3
+        at.spin[c] = i.omega[c] + j.omega[c];
+#endif
+    }
+#endif
+    return at;
 }
 
 LANES_INLINE struct NAME(memory) NAME(memory_at)(const struct contact_slots *slots, size_t k)
@@ -143,65 +141,37 @@ LANES_INLINE struct NAME(memory) NAME(memory_at)(const struct contact_slots *slo
     return memory;
 }
 
-/* Second part: roots and divisions. */
-LANES_INLINE struct NAME(meeting)
-    NAME(meet)(const struct NAME(approach) * from, const struct contact_slots *slots, size_t k)
-{
-    struct NAME(meeting) to;
-#if SINGLE
-    /* delta = (reach^2 - d^2)/(reach + d): only the difference needs double */
-    real d2 = real_fma(from->reach, from->reach, -from->gap), distance = f32_sqrt(d2), sum = from->reach + distance;
-    real both = real_all(1.0) / (distance * sum), inverse = both * sum;
-    to.delta = from->gap * (both * distance);
-    (void)slots;
-    (void)k;
-#else
-    real inverse = lanes_rsqrt(from->d2, f64_rsqrt_seed(from->d2)), distance = from->d2 * inverse;
-    to.delta = real_load((const scalar *)slots->reach + k) - distance;
-#endif
-    for (int c = 0; c < DIM; c++) {
-        to.n[c] = from->d[c] * inverse;
-        to.g[c] = from->g[c];
-    }
-    for (int c = 0; c < 3; c++) {
-        to.w[c] = from->w[c];
-        to.spin[c] = from->spin[c];
-    }
-    return to;
-}
-
-/* Third part: the law's first half. */
-LANES_INLINE struct NAME(touch) NAME(touch_at)(const struct NAME(law) * law, const struct NAME(meeting) * at,
-                                               const struct contact_slots *slots, size_t k, struct NAME(sums) * sums)
-{
-    struct NAME(memory) memory = NAME(memory_at)(slots, k);
-    return NAME(touch)(law, at->delta, at->n, at->g, at->w, at->spin, &memory, sums);
-}
-
 /* Adds forces and moments to the rows of j, one lane after the other. Padding slots add zeros to the padding particle.
  */
 LANES_INLINE void NAME(add_rows)(void *force, const uint32_t *row, const struct NAME(contact_result) * result)
 {
     const real zero = real_all(0.0);
     (void)zero;
+#if SINGLE
+    const int unit = ROW_BYTES(DIM, FRICTIONAL, 1) / RECORD_STRIDE(DIM, FRICTIONAL, 1);
+#define ROW row, unit
+#else
+#define ROW row
+#endif
 #if DIM == 2 && !FRICTIONAL
-    REAL(add2)(force, row, result->force);
+    REAL(add2)(force, ROW, result->force);
 #elif DIM == 2
     real column[4] = {result->force[0], result->force[1], result->moment[0], zero};
-    REAL(add4)(force, row, column);
+    REAL(add4)(force, ROW, column);
 #elif !FRICTIONAL
     real column[4] = {result->force[0], result->force[1], result->force[2], zero};
-    REAL(add4)(force, row, column);
+    REAL(add4)(force, ROW, column);
 #elif SINGLE
     real column[8] = {result->force[0],  result->force[1],  result->force[2],  zero,
                       result->moment[0], result->moment[1], result->moment[2], zero};
-    f32_add8(force, row, column);
+    f32_add8(force, ROW, column);
 #else
     real column[4] = {result->force[0], result->force[1], result->force[2], zero};
     real moment[4] = {result->moment[0], result->moment[1], result->moment[2], zero};
     f64_add4(force, row, column);
     f64_add4((double *)force + FORCE_MOMENT(3), row, moment);
 #endif
+#undef ROW
 }
 
 /* Last part: sums of the particles j, and of i, which are side by side. own: column of force 0, `rows` from one to the
@@ -219,114 +189,146 @@ LANES_INLINE void NAME(add_pair)(void *force, scalar *own, int rows, const struc
 #endif
 }
 
-/* The sets of contacts are independent but for the sums, and each is one long chain of operations. The chain is cut in
- * parts that run at a time. With friction: set k + 3 is approached, roots are drawn for set k + 2, the law's first half
- * is done for set k + 1 and its second for set k, and set k - 1 is added up; without, the halves are one part. What is
- * read behind the last set is room for more, and is not used. */
+/* The sets of contacts are independent but for the sums, and each is one long chain of operations; many of a chain's
+ * kind run at a time. So a chunk of sets goes through each part before the next part begins, with what is in between in
+ * the nearest cache. */
+enum { NAME(CHUNK) = 8 };
+struct NAME(chunk) {
+    struct NAME(meeting) at[NAME(CHUNK)];
+    struct NAME(touch) touch[NAME(CHUNK)];
+    struct NAME(contact_result) result[NAME(CHUNK)];
+};
+
+/* Both halves of the law for n sets from slot k on. */
+LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) * law,
+                             const struct contact_slots *slots, size_t k, int n, struct NAME(sums) * sums)
+{
+    for (int m = 0; m < n; m++) {
+        struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
+        chunk->touch[m] = NAME(touch)(law, &chunk->at[m], &memory, sums);
+    }
+    for (int m = 0; m < n; m++) {
+        struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
+        chunk->result[m] = NAME(force)(law, &chunk->touch[m], &memory, sums);
+    }
+}
+
+/* Sets from slot k on that fit in a chunk, up to `end`. */
+LANES_INLINE int NAME(chunk_size)(size_t k, size_t end)
+{
+    return end - k < NAME(CHUNK) * LANES ? (int)((end - k) / LANES) : NAME(CHUNK);
+}
+
 static void NAME(pair)(const struct particles *p, struct contact_list *pairs, int first, int last,
                        const struct contact_law_constants *constants, void *force, struct contact_losses *losses)
 {
     enum { CLOSE_EVERY = 1024 }; /* slots: sums in float stay short */
     const struct NAME(law) law = NAME(law_of)(constants);
     const struct contact_slots slots = pairs->slots;
-    struct NAME(sums) sums = {0};
+    const scalar quantum = (scalar)p->quantum;
     const size_t start = (size_t)first * SET_WIDTH, end = (size_t)last * SET_WIDTH;
     const int rows = p->n_rows;
     scalar *own = (scalar *)((char *)force + PARTICLES_OWN_OFFSET(rows, DIM, FRICTIONAL, SINGLE));
-    if (start >= end)
-        return;
-    enum { AHEAD = FRICTIONAL ? LANES : 0 }; /* of the law's first half */
-    struct NAME(contact_result) done = {0};
-    struct NAME(approach) near = NAME(approach)(p, &slots, start);
-    struct NAME(meeting) met = NAME(meet)(&near, &slots, start);
-    near = NAME(approach)(p, &slots, start + LANES);
-#if FRICTIONAL
-    struct NAME(touch) next = NAME(touch_at)(&law, &met, &slots, start, &sums);
-    met = NAME(meet)(&near, &slots, start + LANES);
-    near = NAME(approach)(p, &slots, start + 2 * LANES);
-#endif
-    for (size_t k = start; k < end; k += LANES) {
-        struct NAME(meeting) at = met;
-        met = NAME(meet)(&near, &slots, k + LANES + AHEAD);
-        near = NAME(approach)(p, &slots, k + 2 * LANES + AHEAD);
-#if FRICTIONAL
-        struct NAME(touch) now = next;
-        if (k + LANES < end)
-            next = NAME(touch_at)(&law, &at, &slots, k + LANES, &sums);
-#else
-        struct NAME(touch) now = NAME(touch_at)(&law, &at, &slots, k, &sums);
-#endif
-        struct NAME(memory) memory = NAME(memory_at)(&slots, k);
-        struct NAME(contact_result) result = NAME(force)(&law, &now, &memory, &sums);
-        if (k > start)
-            NAME(add_pair)(force, own, rows, &slots, k - LANES, &done);
-        if (SINGLE && k % CLOSE_EVERY == 0)
+    struct NAME(sums) sums = {0};
+    struct NAME(chunk) chunk;
+    for (size_t k = start; k < end; k += NAME(CHUNK) * LANES) {
+        const int n = NAME(chunk_size)(k, end);
+        for (int m = 0; m < n; m++)
+            chunk.at[m] = NAME(meet)(p, &slots, quantum, k + (size_t)m * LANES);
+        NAME(laws)(&chunk, &law, &slots, k, n, &sums);
+        for (int m = 0; m < n; m++)
+            NAME(add_pair)(force, own, rows, &slots, k + (size_t)m * LANES, &chunk.result[m]);
+        if (SINGLE && (k - start) % CLOSE_EVERY == 0)
             NAME(sums_close)(&sums, constants, losses);
-        done = result;
     }
-    NAME(add_pair)(force, own, rows, &slots, end - LANES, &done);
     NAME(sums_close)(&sums, constants, losses);
 }
 
-/* The same law against one flat wall: delta = a - distance; the wall moves along its normal and does not rotate. Its
- * force is summed in SET_WIDTH columns, for the same bits in every instruction set. */
+/* How far the wall has moved in quanta; further than lists reach is as far as it goes. */
+LANES_INLINE int32_t NAME(wall_moved)(const struct particles *p, const struct wall *wall)
+{
+    const double most = 1 << 30, moved = (wall->x - wall->x_list) / p->quantum;
+    return (int32_t)nearbyint(moved > most ? most : moved < -most ? -most : moved);
+}
+
+/* Overlap of LANES particles with a wall. */
+LANES_INLINE real NAME(overlap)(const struct particles *p, const struct wall *wall, size_t k, real x)
+{
+#if SINGLE
+    real moved = f32_of_difference(x, f32_all_integers(NAME(wall_moved)(p, wall)));
+    return real_fma(real_all(-wall->inward * p->quantum), moved, real_load(wall->contacts.slots.gap + k));
+#else
+    (void)p;
+    return real_load((const scalar *)wall->contacts.slots.reach + k) - real_all(wall->inward) * (x - real_all(wall->x));
+#endif
+}
+
+/* First part against a wall, which has no rotation. */
+LANES_INLINE struct NAME(meeting) NAME(meet_wall)(const struct particles *p, const struct wall *wall, size_t k)
+{
+    const struct contact_slots *slots = &wall->contacts.slots;
+    const struct NAME(other) i = NAME(other)(p, slots->row + k);
+    struct NAME(meeting) at;
+    real x = i.x[0];
+    for (int c = 0; c < DIM; c++) {
+        at.d[c] = real_all(c == wall->axis ? wall->inward : 0.0);
+        at.g[c] = i.v[c] - real_all(c == wall->axis ? wall->v : 0.0);
+        x = c == wall->axis ? i.x[c] : x;
+    }
+    at.inverse = real_all(1.0);
+    at.delta = NAME(overlap)(p, wall, k, x);
+#if FRICTIONAL
+    const real a_i = real_load((const scalar *)slots->reach + k);
+    for (int c = 0; c < SPRINGS; c++) {
+        at.w[c] = a_i * i.omega[c];
+#if DIM == 3
+        at.spin[c] = i.omega[c];
+#endif
+    }
+#endif
+    return at;
+}
+
+/* Adds the forces of a set to the particles' rows and those of the wall to `columns`, of which there are SET_WIDTH, for
+ * the same bits in every instruction set. */
+LANES_INLINE void NAME(add_wall)(void *force, const struct wall *wall, size_t k, struct NAME(contact_result) result,
+                                 double *columns)
+{
+    for (int c = 0; c < DIM; c++)
+        result.force[c] = -result.force[c];
+    NAME(add_rows)(force, wall->contacts.slots.row + k, &result);
+    real onto = result.force[0];
+    for (int c = 1; c < DIM; c++)
+        onto = c == wall->axis ? result.force[c] : onto;
+    f64 part[PARTS];
+#if SINGLE
+    f32_widen(onto, part);
+#else
+    part[0] = onto;
+#endif
+    for (int h = 0; h < PARTS; h++) {
+        double *column = columns + k % SET_WIDTH + h * F64_LANES;
+        f64_store(column, f64_load(column) + part[h]);
+    }
+}
+
+/* The same law against one flat wall: delta = a - distance; the wall moves along its normal and does not rotate. */
 static void NAME(wall)(struct particles *p, struct wall *wall, const struct contact_law_constants *constants,
                        struct contact_losses *losses)
 {
-    static const double origin[LANES] = {0};
     const struct contact_slots slots = wall->contacts.slots;
     const struct NAME(law) law = NAME(law_of)(constants);
-    const double *from[DIM];
+    const size_t end = (size_t)wall->contacts.n_sets * SET_WIDTH;
     double columns[SET_WIDTH] = {0}, total = 0;
     struct NAME(sums) sums = {0};
-    real n[DIM];
-    for (int c = 0; c < DIM; c++) {
-        from[c] = origin;
-        n[c] = real_all(c == wall->axis ? wall->inward : 0.0);
-    }
-    for (size_t k = 0; k < (size_t)wall->contacts.n_sets * SET_WIDTH; k += LANES) {
-        struct NAME(other) i = NAME(other)(p->record, slots.row + k, from); /* d = -x */
-        real g[DIM], w[3] = {0}, spin[3] = {0};
-        f64 delta[PARTS];
-        for (int h = 0; h < PARTS; h++) {
-            f64 x = i.d[0][h];
-            for (int c = 1; c < DIM; c++)
-                x = c == wall->axis ? i.d[c][h] : x;
-            delta[h] = f64_load(slots.reach2 + k + h * F64_LANES) + f64_all(wall->inward) * (x + f64_all(wall->x));
-        }
-        for (int c = 0; c < DIM; c++)
-            g[c] = i.v[c] - real_all(c == wall->axis ? wall->v : 0.0);
-#if FRICTIONAL
-        real a_i = real_load((const scalar *)slots.reach + k);
-        for (int c = 0; c < SPRINGS; c++) {
-            w[c] = a_i * i.omega[c];
-            spin[c] = i.omega[c];
-        }
-#endif
-        struct NAME(memory) memory = NAME(memory_at)(&slots, k);
-#if SINGLE
-        real overlap = f32_of(delta);
-#else
-        real overlap = delta[0];
-#endif
-        struct NAME(touch) touch = NAME(touch)(&law, overlap, n, g, w, spin, &memory, &sums);
-        struct NAME(contact_result) result = NAME(force)(&law, &touch, &memory, &sums);
-        for (int c = 0; c < DIM; c++)
-            result.force[c] = -result.force[c];
-        NAME(add_rows)(p->force, slots.row + k, &result);
-        real onto = result.force[0];
-        for (int c = 1; c < DIM; c++)
-            onto = c == wall->axis ? result.force[c] : onto;
-        f64 part[PARTS];
-#if SINGLE
-        f32_widen(onto, part);
-#else
-        part[0] = onto;
-#endif
-        for (int h = 0; h < PARTS; h++) {
-            double *column = columns + k % SET_WIDTH + h * F64_LANES;
-            f64_store(column, f64_load(column) + part[h]);
-        }
+    struct NAME(chunk) chunk;
+    for (size_t k = 0; k < end; k += NAME(CHUNK) * LANES) {
+        const int n = NAME(chunk_size)(k, end);
+        for (int m = 0; m < n; m++)
+            chunk.at[m] = NAME(meet_wall)(p, wall, k + (size_t)m * LANES);
+        NAME(laws)(&chunk, &law, &slots, k, n, &sums);
+        for (int m = 0; m < n; m++)
+            NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, chunk.result[m], columns);
     }
     NAME(sums_close)(&sums, constants, losses);
     for (int c = 0; c < SET_WIDTH; c++)

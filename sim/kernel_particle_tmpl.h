@@ -1,38 +1,40 @@
 /* Drift and kick: what a step does to the particles themselves, in double; and their records for the contacts.
  * Parameters as of kernel_law_tmpl.h. */
 
-/* Writes the records of F64_LANES particles from i on; in single precision also the floats that stand side by side. */
-LANES_INLINE void NAME(pack)(struct particles *p, int i, const f64 *x, const f64 *v, const f64 *omega)
+/* Writes the records of F64_LANES particles from i on, which are `u` from where they were listed; in single precision
+ * also what stands side by side. */
+LANES_INLINE void NAME(pack)(struct particles *p, int i, const f64 *x, const f64 *u, const f64 *v, const f64 *omega)
 {
     enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL, SINGLE) };
     const f64 zero = f64_all(0.0);
     double *to = (double *)p->record + (size_t)i * STRIDE;
     (void)omega;
     (void)zero;
+    (void)x;
+    (void)u;
 #if SINGLE
-    f32h v_f[DIM], omega_f[3];
+    const f64 per_quantum = f64_all(1 / p->quantum);
+    f32h record[8];
     for (int c = 0; c < DIM; c++) {
-        v_f[c] = f64_narrow(v[c]);
-        f32h_store(p->view_v[c] + i, v_f[c]);
+        record[c] = f64_fixed(u[c] * per_quantum);
+        record[DIM + c] = f64_narrow(v[c]);
+        f32h_store((float *)p->view_u[c] + i, record[c]);
+        f32h_store(p->view_v[c] + i, record[DIM + c]);
     }
 #if FRICTIONAL
-    f32h_store(p->view_radius + i, f64_narrow(f64_load(p->radius + i)));
     for (int c = 0; c < SPRINGS; c++) {
-        omega_f[c] = f64_narrow(omega[c]);
-        f32h_store(p->view_omega[c] + i, omega_f[c]);
+        f32h omega_f = f64_narrow(omega[c]);
+        f32h_store(p->view_omega[c] + i, omega_f);
+        if (c < 2 && DIM == 3)
+            record[6 + c] = omega_f;
     }
-#else
-    for (int c = 0; c < SPRINGS; c++)
-        omega_f[c] = f64_narrow(zero);
+#elif DIM == 3
+    record[6] = record[7] = f64_narrow(zero);
 #endif
 #if DIM == 2
-    const f64 block[4] = {x[0], x[1], f64_pair(v_f[0], v_f[1]), f64_pair(omega_f[0], omega_f[0])};
-    f64_store4(to, STRIDE, block);
+    f32h_store4((float *)to, record);
 #else
-    const f64 block[4] = {x[0], x[1], x[2], f64_pair(v_f[0], v_f[1])};
-    const f64 second[4] = {f64_pair(v_f[2], omega_f[0]), f64_pair(omega_f[1], omega_f[2]), zero, zero};
-    f64_store4(to, STRIDE, block);
-    f64_store4(to + 4, STRIDE, second);
+    f32h_store8((float *)to, record);
 #endif
 #elif DIM == 2
     const f64 block[4] = {x[0], x[1], v[0], v[1]};
@@ -55,18 +57,18 @@ LANES_INLINE void NAME(pack)(struct particles *p, int i, const f64 *x, const f64
 /* Forces and moments of F64_LANES particles: their rows and columns, which start anew from zero. */
 LANES_INLINE void NAME(take_sums)(struct particles *p, int i, f64 *force, f64 *moment)
 {
-    enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL, SINGLE) / 2 * (int)(sizeof(double) / sizeof(scalar)) };
+    enum { STRIDE = ROW_BYTES(DIM, FRICTIONAL, SINGLE) / (int)sizeof(scalar) };
     scalar *rows = (scalar *)p->force + (size_t)i * STRIDE;
     scalar *own = (scalar *)((char *)p->force + PARTICLES_OWN_OFFSET(p->n_rows, DIM, FRICTIONAL, SINGLE)) + i;
     (void)moment;
 #if SINGLE
     f32h row[8];
-#if DIM == 2
+#if DIM == 2 && !FRICTIONAL
+    f32h_load2(rows, row);
+#elif DIM == 2 || !FRICTIONAL
     f32h_load4(rows, row);
-    enum { MOMENT = 2 };
 #else
     f32h_load8(rows, row);
-    enum { MOMENT = 4 };
 #endif
     for (int c = 0; c < DIM; c++) {
         force[c] = f32h_widen(row[c] + f32h_load(own));
@@ -75,7 +77,7 @@ LANES_INLINE void NAME(take_sums)(struct particles *p, int i, f64 *force, f64 *m
     }
 #if FRICTIONAL
     for (int c = 0; c < SPRINGS; c++) {
-        moment[c] = f32h_widen(row[MOMENT + c] + f32h_load(own));
+        moment[c] = f32h_widen(row[FORCE_MOMENT(DIM) + c] + f32h_load(own));
         f32h_store(own, f64_narrow(f64_all(0.0)));
         own += p->n_rows;
     }
@@ -113,7 +115,8 @@ struct NAME(motion) {
 
 /* Accelerations from forces, background damping and gravity; corrects v and omega by the change of acceleration. Adds
  * to the power that the background takes. */
-LANES_INLINE struct NAME(motion) NAME(kicked)(struct particles *p, int i, const struct kick_constants *k, f64 *power)
+LANES_INLINE struct NAME(motion)
+    NAME(kicked)(struct particles *p, int i, const struct kick_constants *k, bool gravity, f64 *power)
 {
     const f64 half = f64_all(0.5 * k->dt), gamma_b = f64_all(k->gamma_b);
     struct NAME(motion) to;
@@ -121,7 +124,7 @@ LANES_INLINE struct NAME(motion) NAME(kicked)(struct particles *p, int i, const 
     NAME(take_sums)(p, i, force, moment);
     for (int c = 0; c < DIM; c++) {
         f64 v = f64_load(p->v[c] + i), before = f64_load(p->a[c] + i);
-        if (k->gravity[c] != 0)
+        if (gravity)
             force[c] = f64_fma(f64_all(k->gravity[c]), f64_load(p->mass + i), force[c]);
         to.a[c] = f64_fma(-gamma_b, v, force[c]) * inv_mass;
         to.v[c] = f64_fma(half, to.a[c] - before, v);
@@ -129,15 +132,15 @@ LANES_INLINE struct NAME(motion) NAME(kicked)(struct particles *p, int i, const 
     }
     *power = f64_fma(gamma_b, v2, *power);
 #if FRICTIONAL
-    f64 radius = f64_load(p->radius + i), inv_inertia = f64_load(p->inv_inertia + i), omega2 = f64_all(0.0);
-    f64 damping = f64_all(k->gamma_br) * radius * radius;
+    f64 radius = f64_load(p->radius + i), lever = radius * f64_load(p->inv_inertia + i), omega2 = f64_all(0.0);
+    f64 slowing = f64_all(2.5 * k->gamma_br) * inv_mass; /* a^2/I = 2.5/m */
     for (int c = 0; c < SPRINGS; c++) {
         f64 omega = f64_load(p->omega[c] + i), before = f64_load(p->alpha[c] + i);
-        to.alpha[c] = f64_fma(-radius, moment[c], -damping * omega) * inv_inertia;
+        to.alpha[c] = f64_fma(-lever, moment[c], -slowing * omega);
         to.omega[c] = f64_fma(half, to.alpha[c] - before, omega);
         omega2 = f64_fma(omega, omega, omega2);
     }
-    *power = f64_fma(damping, omega2, *power);
+    *power = f64_fma(f64_all(k->gamma_br) * radius * radius, omega2, *power);
 #endif
     return to;
 }
@@ -161,67 +164,86 @@ LANES_INLINE void NAME(motion_store)(struct particles *p, int i, const struct NA
 LANES_INLINE bool NAME(drifted)(struct particles *p, int i, double dt_s, f64 limit2, struct NAME(motion) * motion)
 {
     const f64 dt = f64_all(dt_s), half = f64_all(0.5 * dt_s);
-    f64 x[DIM], moved2 = f64_all(0.0);
+    f64 x[DIM], u[DIM], moved2 = f64_all(0.0);
     for (int c = 0; c < DIM; c++) {
         f64 before = f64_load(p->x[c] + i);
         x[c] = f64_fma(dt, f64_fma(half, motion->a[c], motion->v[c]), before);
         motion->v[c] = f64_fma(dt, motion->a[c], motion->v[c]);
-        f64 moved = x[c] - f64_load(p->x_list[c] + i);
-        moved2 = f64_fma(moved, moved, moved2);
+        u[c] = x[c] - f64_load(p->x_list[c] + i);
+        moved2 = f64_fma(u[c], u[c], moved2);
         f64_store(p->x[c] + i, x[c]);
     }
 #if FRICTIONAL
     for (int c = 0; c < SPRINGS; c++)
         motion->omega[c] = f64_fma(dt, motion->alpha[c], motion->omega[c]);
 #endif
-    NAME(pack)(p, i, x, motion->v, motion->omega);
+    NAME(pack)(p, i, x, u, motion->v, motion->omega);
     return f64_mask_all(f64_at_least(limit2, moved2));
 }
 
 static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
 {
+    struct particles of = *p;
     const f64 limit2 = f64_all(reach_m * reach_m);
     bool near = true;
-    for (int i = p->from; i < p->count; i += F64_LANES) {
+    for (int i = of.from; i < of.count; i += F64_LANES) {
         struct NAME(motion) motion;
         for (int c = 0; c < DIM; c++) {
-            motion.v[c] = f64_load(p->v[c] + i);
-            motion.a[c] = f64_load(p->a[c] + i);
+            motion.v[c] = f64_load(of.v[c] + i);
+            motion.a[c] = f64_load(of.a[c] + i);
         }
 #if FRICTIONAL
         for (int c = 0; c < SPRINGS; c++) {
-            motion.omega[c] = f64_load(p->omega[c] + i);
-            motion.alpha[c] = f64_load(p->alpha[c] + i);
+            motion.omega[c] = f64_load(of.omega[c] + i);
+            motion.alpha[c] = f64_load(of.alpha[c] + i);
         }
 #endif
-        near = NAME(drifted)(p, i, dt_s, limit2, &motion) && near;
-        NAME(motion_store)(p, i, &motion);
+        near = NAME(drifted)(&of, i, dt_s, limit2, &motion) && near;
+        NAME(motion_store)(&of, i, &motion);
     }
     return !near;
 }
 
-static double NAME(kick)(struct particles *p, const struct kick_constants *constants)
+/* The loops go over a copy of the particles' pointers, which no store can change. */
+LANES_INLINE double NAME(kick_all)(struct particles of, const struct kick_constants *constants, bool gravity)
 {
     f64 power = f64_all(0.0);
-    for (int i = p->from; i < p->count; i += F64_LANES) {
-        struct NAME(motion) motion = NAME(kicked)(p, i, constants, &power);
-        NAME(motion_store)(p, i, &motion);
+    for (int i = of.from; i < of.count; i += F64_LANES) {
+        struct NAME(motion) motion = NAME(kicked)(&of, i, constants, gravity, &power);
+        NAME(motion_store)(&of, i, &motion);
     }
     return f64_sum(power);
+}
+
+LANES_INLINE bool NAME(advance_all)(struct particles of, const struct kick_constants *constants, bool gravity,
+                                    double dt_s, double reach_m, double *background_w)
+{
+    const f64 limit2 = f64_all(reach_m * reach_m);
+    f64 power = f64_all(0.0);
+    bool near = true;
+    for (int i = of.from; i < of.count; i += F64_LANES) {
+        struct NAME(motion) motion = NAME(kicked)(&of, i, constants, gravity, &power);
+        near = NAME(drifted)(&of, i, dt_s, limit2, &motion) && near;
+        NAME(motion_store)(&of, i, &motion);
+    }
+    *background_w = f64_sum(power);
+    return !near;
+}
+
+LANES_INLINE bool NAME(pulls)(const struct kick_constants *constants)
+{
+    return constants->gravity[0] != 0 || constants->gravity[1] != 0 || constants->gravity[2] != 0;
+}
+
+static double NAME(kick)(struct particles *p, const struct kick_constants *constants)
+{
+    return NAME(pulls)(constants) ? NAME(kick_all)(*p, constants, true) : NAME(kick_all)(*p, constants, false);
 }
 
 /* Both in one pass: the kick of a step and the drift of the next. */
 static bool NAME(advance)(struct particles *p, const struct kick_constants *constants, double dt_s, double reach_m,
                           double *background_w)
 {
-    const f64 limit2 = f64_all(reach_m * reach_m);
-    f64 power = f64_all(0.0);
-    bool near = true;
-    for (int i = p->from; i < p->count; i += F64_LANES) {
-        struct NAME(motion) motion = NAME(kicked)(p, i, constants, &power);
-        near = NAME(drifted)(p, i, dt_s, limit2, &motion) && near;
-        NAME(motion_store)(p, i, &motion);
-    }
-    *background_w = f64_sum(power);
-    return !near;
+    return NAME(pulls)(constants) ? NAME(advance_all)(*p, constants, true, dt_s, reach_m, background_w)
+                                  : NAME(advance_all)(*p, constants, false, dt_s, reach_m, background_w);
 }

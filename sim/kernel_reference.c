@@ -1,4 +1,5 @@
 /* The kernels one contact at a time: the reference of the vector ones. */
+#include <math.h>
 #include <string.h>
 
 #include "sim/kernels.h"

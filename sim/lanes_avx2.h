@@ -78,6 +78,14 @@ LANES_INLINE f32 f32_select(f32_mask m, f32 a, f32 b)
 {
     return _mm256_blendv_ps(b, a, m);
 }
+LANES_INLINE f64 f64_where(f64_mask m, f64 x)
+{
+    return _mm256_and_pd(m, x);
+}
+LANES_INLINE f32 f32_where(f32_mask m, f32 x)
+{
+    return _mm256_and_ps(m, x);
+}
 LANES_INLINE f64 f64_larger(f64 a, f64 b)
 {
     return _mm256_max_pd(a, b);
@@ -116,9 +124,8 @@ LANES_INLINE f64 f64_rsqrt_seed(f64 x)
 }
 LANES_INLINE double f64_sum(f64 x)
 {
-    double lane[F64_LANES];
-    _mm256_storeu_pd(lane, x);
-    return (lane[0] + lane[1]) + (lane[2] + lane[3]);
+    __m128d two = _mm_add_pd(_mm256_castpd256_pd128(x), _mm256_extractf128_pd(x, 1));
+    return _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)));
 }
 LANES_INLINE f32h f64_narrow(f64 x)
 {
@@ -128,29 +135,22 @@ LANES_INLINE f64 f32h_widen(f32h x)
 {
     return _mm256_cvtps_pd(x);
 }
-LANES_INLINE f32 f32_of(const f64 *part)
-{
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(part[0])), _mm256_cvtpd_ps(part[1]), 1);
-}
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {
     part[0] = _mm256_cvtps_pd(_mm256_castps256_ps128(x));
     part[1] = _mm256_cvtps_pd(_mm256_extractf128_ps(x, 1));
 }
-LANES_INLINE f64 f64_pair(f32h even, f32h odd)
+LANES_INLINE f32h f64_fixed(f64 x)
 {
-    __m128 low = _mm_unpacklo_ps(even, odd), high = _mm_unpackhi_ps(even, odd);
-    return _mm256_castps_pd(_mm256_insertf128_ps(_mm256_castps128_ps256(low), high, 1));
+    return _mm_castsi128_ps(_mm256_cvtpd_epi32(x));
 }
-LANES_INLINE f32 lanes_in_order(__m256 x) /* pairs 0 2 1 3 to 0 1 2 3 */
+LANES_INLINE f32 f32_all_integers(int32_t integer)
 {
-    return _mm256_castpd_ps(_mm256_permute4x64_pd(_mm256_castps_pd(x), 0xd8));
+    return _mm256_castsi256_ps(_mm256_set1_epi32(integer));
 }
-LANES_INLINE void f32_split(const f64 *part, f32 *even, f32 *odd)
+LANES_INLINE f32 f32_of_difference(f32 a, f32 b)
 {
-    __m256 a = _mm256_castpd_ps(part[0]), b = _mm256_castpd_ps(part[1]);
-    *even = lanes_in_order(_mm256_shuffle_ps(a, b, 0x88));
-    *odd = lanes_in_order(_mm256_shuffle_ps(a, b, 0xdd));
+    return _mm256_cvtepi32_ps(_mm256_sub_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b)));
 }
 /* Rows 0 and 2, 1 and 3 share registers: two halves from memory, and one shuffle a column. */
 LANES_INLINE f64 lanes_two(const double *low, const double *high)
@@ -196,6 +196,16 @@ LANES_INLINE void f32_gather4(const double *base, const uint32_t *row, f32 *colu
         rows[r] = lanes_two_quads(base, row[r], row[4 + r]);
     lanes_halves(rows, column);
 }
+LANES_INLINE void f32_gather8(const double *base, const uint32_t *row, f32 *column)
+{
+    f32_gather4(base, row, column);
+    f32_gather4(base + 2, row, column + 4);
+}
+LANES_INLINE f32 f32_gather(const float *base, const uint32_t *row, int stride)
+{
+    __m256i at = _mm256_loadu_si256((const __m256i *)row);
+    return _mm256_i32gather_ps(base, _mm256_srli_epi32(at, stride / 2), 4);
+}
 LANES_INLINE void lanes_transpose4(f64 r0, f64 r1, f64 r2, f64 r3, f64 *column)
 {
     f64 lo01 = _mm256_unpacklo_pd(r0, r1), hi01 = _mm256_unpackhi_pd(r0, r1);
@@ -217,6 +227,22 @@ LANES_INLINE void f64_store4(double *to, int stride, const f64 *column)
     for (int r = 0; r < 4; r++)
         _mm256_storeu_pd(to + stride * r, row[r]);
 }
+LANES_INLINE void lanes_store_quads(float *to, int stride, const f32h *column)
+{
+    f32h row[4] = {column[0], column[1], column[2], column[3]};
+    _MM_TRANSPOSE4_PS(row[0], row[1], row[2], row[3]);
+    for (int r = 0; r < 4; r++)
+        _mm_storeu_ps(to + stride * r, row[r]);
+}
+LANES_INLINE void f32h_store4(float *to, const f32h *column)
+{
+    lanes_store_quads(to, 4, column);
+}
+LANES_INLINE void f32h_store8(float *to, const f32h *column)
+{
+    lanes_store_quads(to, 8, column);
+    lanes_store_quads(to + 4, 8, column + 4);
+}
 LANES_INLINE void f64_load2(const double *from, f64 *column)
 {
     f64 a = _mm256_loadu_pd(from), b = _mm256_loadu_pd(from + 4);
@@ -230,6 +256,12 @@ LANES_INLINE void lanes_load_quads(const float *from, int stride, f32h *column)
         column[r] = _mm_loadu_ps(from + stride * r);
     _MM_TRANSPOSE4_PS(column[0], column[1], column[2], column[3]);
 }
+LANES_INLINE void f32h_load2(const float *from, f32h *column)
+{
+    f32h a = _mm_loadu_ps(from), b = _mm_loadu_ps(from + 4);
+    column[0] = _mm_shuffle_ps(a, b, 0x88);
+    column[1] = _mm_shuffle_ps(a, b, 0xdd);
+}
 LANES_INLINE void f32h_load4(const float *from, f32h *column)
 {
     lanes_load_quads(from, 4, column);
@@ -239,9 +271,9 @@ LANES_INLINE void f32h_load8(const float *from, f32h *column)
     lanes_load_quads(from, 8, column);
     lanes_load_quads(from + 4, 8, column + 4);
 }
-LANES_INLINE void *lanes_half(void *base, uint32_t row)
+LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)
 {
-    return (char *)base + sizeof(double) / 2 * (size_t)row;
+    return (char *)base + (size_t)unit * row;
 }
 /* Sums: the rows go through memory, so that no port is kept busy with taking registers apart; compilers would. */
 #define LANES_IN_MEMORY(array) __asm__("" : "+m"(array))
@@ -251,7 +283,7 @@ LANES_INLINE void f64_add2(void *base, const uint32_t *row, const f64 *column)
     _mm256_store_pd(buffer[0], _mm256_unpacklo_pd(column[0], column[1]));
     _mm256_store_pd(buffer[1], _mm256_unpackhi_pd(column[0], column[1]));
     for (int r = 0; r < 4; r++) {
-        double *to = lanes_half(base, row[r]);
+        double *to = lanes_sums(base, row[r], 4);
         _mm_storeu_pd(to, _mm_loadu_pd(to) + _mm_load_pd(&buffer[r & 1][r & 2]));
     }
 }
@@ -260,22 +292,22 @@ LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
     f64 rows[4];
     lanes_transpose4(column[0], column[1], column[2], column[3], rows);
     for (int r = 0; r < 4; r++) {
-        double *to = lanes_half(base, row[r]);
+        double *to = lanes_sums(base, row[r], 4);
         _mm256_storeu_pd(to, _mm256_loadu_pd(to) + rows[r]);
     }
 }
-LANES_INLINE void f32_add2(void *base, const uint32_t *row, const f32 *column)
+LANES_INLINE void f32_add2(void *base, const uint32_t *row, int unit, const f32 *column)
 {
     float buffer[2][8] __attribute__((aligned(32)));
     _mm256_store_ps(buffer[0], _mm256_unpacklo_ps(column[0], column[1])); /* rows 0 1 | 4 5 */
     _mm256_store_ps(buffer[1], _mm256_unpackhi_ps(column[0], column[1]));
     for (int r = 0; r < 8; r++) {
-        float *to = lanes_half(base, row[r]);
+        float *to = lanes_sums(base, row[r], unit);
         __m128 add = _mm_castsi128_ps(_mm_loadu_si64(&buffer[(r & 2) / 2][(r & 4) + 2 * (r & 1)]));
         _mm_storeu_si64(to, _mm_castps_si128(_mm_castsi128_ps(_mm_loadu_si64(to)) + add));
     }
 }
-LANES_INLINE void f32_add4(void *base, const uint32_t *row, const f32 *column)
+LANES_INLINE void f32_add4(void *base, const uint32_t *row, int unit, const f32 *column)
 {
     float buffer[4][8] __attribute__((aligned(32)));
     f32 rows[4];
@@ -283,11 +315,11 @@ LANES_INLINE void f32_add4(void *base, const uint32_t *row, const f32 *column)
     for (int k = 0; k < 4; k++)
         _mm256_store_ps(buffer[k], rows[k]);
     for (int r = 0; r < 8; r++) {
-        float *to = lanes_half(base, row[r]);
+        float *to = lanes_sums(base, row[r], unit);
         _mm_storeu_ps(to, _mm_loadu_ps(to) + _mm_load_ps(&buffer[r & 3][r & 4]));
     }
 }
-LANES_INLINE void f32_add8(void *base, const uint32_t *row, const f32 *column)
+LANES_INLINE void f32_add8(void *base, const uint32_t *row, int unit, const f32 *column)
 {
     f32 low[4], high[4], rows[8];
     lanes_halves(column, low);
@@ -297,7 +329,7 @@ LANES_INLINE void f32_add8(void *base, const uint32_t *row, const f32 *column)
         rows[4 + q] = _mm256_permute2f128_ps(low[q], high[q], 0x31);
     }
     for (int r = 0; r < 8; r++) {
-        float *to = lanes_half(base, row[r]);
+        float *to = lanes_sums(base, row[r], unit);
         _mm256_storeu_ps(to, _mm256_loadu_ps(to) + rows[r]);
     }
 }

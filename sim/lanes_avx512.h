@@ -78,6 +78,14 @@ LANES_INLINE f32 f32_select(f32_mask m, f32 a, f32 b)
 {
     return _mm512_mask_blend_ps(m, b, a);
 }
+LANES_INLINE f64 f64_where(f64_mask m, f64 x)
+{
+    return _mm512_maskz_mov_pd(m, x);
+}
+LANES_INLINE f32 f32_where(f32_mask m, f32 x)
+{
+    return _mm512_maskz_mov_ps(m, x);
+}
 LANES_INLINE f64 f64_larger(f64 a, f64 b)
 {
     return _mm512_max_pd(a, b);
@@ -116,9 +124,9 @@ LANES_INLINE f64 f64_rsqrt_seed(f64 x)
 }
 LANES_INLINE double f64_sum(f64 x)
 {
-    double lane[F64_LANES];
-    _mm512_storeu_pd(lane, x);
-    return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
+    __m256d four = _mm256_add_pd(_mm512_castpd512_pd256(x), _mm512_extractf64x4_pd(x, 1));
+    __m128d two = _mm_add_pd(_mm256_castpd256_pd128(four), _mm256_extractf128_pd(four, 1));
+    return _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)));
 }
 LANES_INLINE f32h f64_narrow(f64 x)
 {
@@ -128,28 +136,22 @@ LANES_INLINE f64 f32h_widen(f32h x)
 {
     return _mm512_cvtps_pd(x);
 }
-LANES_INLINE f32 f32_of(const f64 *part)
-{
-    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(part[0])), _mm512_cvtpd_ps(part[1]), 1);
-}
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {
     part[0] = _mm512_cvtps_pd(_mm512_castps512_ps256(x));
     part[1] = _mm512_cvtps_pd(_mm512_extractf32x8_ps(x, 1));
 }
-LANES_INLINE f64 f64_pair(f32h even, f32h odd)
+LANES_INLINE f32h f64_fixed(f64 x)
 {
-    __m512i low = _mm512_cvtepu32_epi64(_mm256_castps_si256(even)),
-            high = _mm512_cvtepu32_epi64(_mm256_castps_si256(odd));
-    return _mm512_castsi512_pd(_mm512_or_si512(low, _mm512_slli_epi64(high, 32)));
+    return _mm256_castsi256_ps(_mm512_cvtpd_epi32(x));
 }
-LANES_INLINE void f32_split(const f64 *part, f32 *even, f32 *odd)
+LANES_INLINE f32 f32_all_integers(int32_t integer)
 {
-    const __m512i evens = _mm512_set_epi32(30, 28, 26, 24, 22, 20, 18, 16, 14, 12, 10, 8, 6, 4, 2, 0),
-                  odds = _mm512_set_epi32(31, 29, 27, 25, 23, 21, 19, 17, 15, 13, 11, 9, 7, 5, 3, 1);
-    __m512 a = _mm512_castpd_ps(part[0]), b = _mm512_castpd_ps(part[1]);
-    *even = _mm512_permutex2var_ps(a, evens, b);
-    *odd = _mm512_permutex2var_ps(a, odds, b);
+    return _mm512_castsi512_ps(_mm512_set1_epi32(integer));
+}
+LANES_INLINE f32 f32_of_difference(f32 a, f32 b)
+{
+    return _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_castps_si512(a), _mm512_castps_si512(b)));
 }
 /* Two records of 4 doubles in one register. */
 LANES_INLINE f64 lanes_two(const double *low, const double *high)
@@ -204,6 +206,29 @@ LANES_INLINE void f32_gather4(const double *base, const uint32_t *row, f32 *colu
                    lanes_four(base, row[3], row[7], row[11], row[15])};
     lanes_quarters(rows, column);
 }
+/* Two records of 8 floats in one register. */
+LANES_INLINE f32 lanes_two_octets(const double *base, uint32_t a, uint32_t b)
+{
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps((const float *)(base + a))),
+                              _mm256_loadu_ps((const float *)(base + b)), 1);
+}
+LANES_INLINE void f32_gather8(const double *base, const uint32_t *row, f32 *column)
+{
+    f32 rows[8], part[8];
+    for (int r = 0; r < 8; r++) /* 0|4 1|5 2|6 3|7, 8|12 9|13 ... */
+        rows[r] = lanes_two_octets(base, row[r + (r & 4)], row[r + (r & 4) + 4]);
+    lanes_quarters(rows, part);
+    lanes_quarters(rows + 4, part + 4);
+    for (int c = 0; c < 4; c++) {
+        column[c] = _mm512_shuffle_f32x4(part[c], part[4 + c], 0x88);
+        column[4 + c] = _mm512_shuffle_f32x4(part[c], part[4 + c], 0xdd);
+    }
+}
+LANES_INLINE f32 f32_gather(const float *base, const uint32_t *row, int stride)
+{
+    __m512i at = _mm512_loadu_si512(row);
+    return stride == 2 ? _mm512_i32gather_ps(at, base, 2) : _mm512_i32gather_ps(at, base, 1);
+}
 LANES_INLINE void f64_load4(const double *from, int stride, f64 *column)
 {
     lanes_transpose4(lanes_two(from, from + 2 * stride), lanes_two(from + stride, from + 3 * stride),
@@ -254,6 +279,13 @@ LANES_INLINE void lanes_columns4(f32 a, f32 b, f32h *column)
     column[2] = _mm512_castps512_ps256(back);
     column[3] = _mm512_extractf32x8_ps(back, 1);
 }
+LANES_INLINE void f32h_load2(const float *from, f32h *column)
+{
+    const __m512i order = _mm512_set_epi32(15, 13, 11, 9, 7, 5, 3, 1, 14, 12, 10, 8, 6, 4, 2, 0);
+    f32 columns = _mm512_permutexvar_ps(order, _mm512_loadu_ps(from));
+    column[0] = _mm512_castps512_ps256(columns);
+    column[1] = _mm512_extractf32x8_ps(columns, 1);
+}
 LANES_INLINE void f32h_load4(const float *from, f32h *column)
 {
     lanes_columns4(_mm512_loadu_ps(from), _mm512_loadu_ps(from + 16), column);
@@ -266,9 +298,38 @@ LANES_INLINE void f32h_load8(const float *from, f32h *column)
     lanes_columns4(_mm512_shuffle_f32x4(z[0], z[1], 0x88), _mm512_shuffle_f32x4(z[2], z[3], 0x88), column);
     lanes_columns4(_mm512_shuffle_f32x4(z[0], z[1], 0xdd), _mm512_shuffle_f32x4(z[2], z[3], 0xdd), column + 4);
 }
-LANES_INLINE void *lanes_half(void *base, uint32_t row)
+/* Transposes the 4 x 4 floats in each half of four registers. */
+LANES_INLINE void lanes_halves(const f32h *from, f32h *to)
 {
-    return (char *)base + sizeof(double) / 2 * (size_t)row;
+    f32h lo01 = _mm256_unpacklo_ps(from[0], from[1]), hi01 = _mm256_unpackhi_ps(from[0], from[1]);
+    f32h lo23 = _mm256_unpacklo_ps(from[2], from[3]), hi23 = _mm256_unpackhi_ps(from[2], from[3]);
+    to[0] = _mm256_shuffle_ps(lo01, lo23, 0x44);
+    to[1] = _mm256_shuffle_ps(lo01, lo23, 0xee);
+    to[2] = _mm256_shuffle_ps(hi01, hi23, 0x44);
+    to[3] = _mm256_shuffle_ps(hi01, hi23, 0xee);
+}
+LANES_INLINE void f32h_store4(float *to, const f32h *column)
+{
+    f32h rows[4]; /* 0|4 1|5 2|6 3|7 */
+    lanes_halves(column, rows);
+    for (int r = 0; r < 2; r++) {
+        _mm256_storeu_ps(to + 8 * r, _mm256_permute2f128_ps(rows[2 * r], rows[2 * r + 1], 0x20));
+        _mm256_storeu_ps(to + 16 + 8 * r, _mm256_permute2f128_ps(rows[2 * r], rows[2 * r + 1], 0x31));
+    }
+}
+LANES_INLINE void f32h_store8(float *to, const f32h *column)
+{
+    f32h front[4], back[4];
+    lanes_halves(column, front);
+    lanes_halves(column + 4, back);
+    for (int r = 0; r < 4; r++) {
+        _mm256_storeu_ps(to + 8 * r, _mm256_permute2f128_ps(front[r], back[r], 0x20));
+        _mm256_storeu_ps(to + 32 + 8 * r, _mm256_permute2f128_ps(front[r], back[r], 0x31));
+    }
+}
+LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)
+{
+    return (char *)base + (size_t)unit * row;
 }
 /* Sums: the rows go through memory, so that no port is kept busy with taking registers apart; compilers would. */
 #define LANES_IN_MEMORY(array) __asm__("" : "+m"(array))
@@ -282,7 +343,7 @@ LANES_INLINE void f64_add2(void *base, const uint32_t *row, const f64 *column)
     _mm512_store_pd(buffer[0], _mm512_unpacklo_pd(column[0], column[1]));
     _mm512_store_pd(buffer[1], _mm512_unpackhi_pd(column[0], column[1]));
     for (int r = 0; r < 8; r++)
-        lanes_add_row2(lanes_half(base, row[r]), &buffer[r & 1][r & 6]);
+        lanes_add_row2(lanes_sums(base, row[r], 4), &buffer[r & 1][r & 6]);
 }
 LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
 {
@@ -292,22 +353,22 @@ LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
     for (int k = 0; k < 4; k++)
         _mm512_store_pd(buffer[k], rows[k]);
     for (int r = 0; r < 8; r++) { /* rows[] holds 0|2, 1|3, 4|6, 5|7 */
-        double *to = lanes_half(base, row[r]);
+        double *to = lanes_sums(base, row[r], 4);
         _mm256_storeu_pd(to, _mm256_loadu_pd(to) + _mm256_load_pd(&buffer[(r & 1) + (r & 4) / 2][2 * (r & 2)]));
     }
 }
-LANES_INLINE void f32_add2(void *base, const uint32_t *row, const f32 *column)
+LANES_INLINE void f32_add2(void *base, const uint32_t *row, int unit, const f32 *column)
 {
     float buffer[2][16] __attribute__((aligned(64)));
     _mm512_store_ps(buffer[0], _mm512_unpacklo_ps(column[0], column[1])); /* rows 0 1 | 4 5 | ... */
     _mm512_store_ps(buffer[1], _mm512_unpackhi_ps(column[0], column[1]));
     for (int r = 0; r < 16; r++) {
-        float *to = lanes_half(base, row[r]);
+        float *to = lanes_sums(base, row[r], unit);
         __m128 add = _mm_castsi128_ps(_mm_loadu_si64(&buffer[(r & 2) / 2][(r & 12) + 2 * (r & 1)]));
         _mm_storeu_si64(to, _mm_castps_si128(_mm_castsi128_ps(_mm_loadu_si64(to)) + add));
     }
 }
-LANES_INLINE void f32_add4(void *base, const uint32_t *row, const f32 *column)
+LANES_INLINE void f32_add4(void *base, const uint32_t *row, int unit, const f32 *column)
 {
     float buffer[4][16] __attribute__((aligned(64)));
     f32 rows[4];
@@ -315,11 +376,11 @@ LANES_INLINE void f32_add4(void *base, const uint32_t *row, const f32 *column)
     for (int k = 0; k < 4; k++)
         _mm512_store_ps(buffer[k], rows[k]);
     for (int r = 0; r < 16; r++) {
-        float *to = lanes_half(base, row[r]);
+        float *to = lanes_sums(base, row[r], unit);
         _mm_storeu_ps(to, _mm_loadu_ps(to) + _mm_load_ps(&buffer[r & 3][r & 12]));
     }
 }
-LANES_INLINE void f32_add8(void *base, const uint32_t *row, const f32 *column)
+LANES_INLINE void f32_add8(void *base, const uint32_t *row, int unit, const f32 *column)
 {
     const __m512i front = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0),
                   back = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
@@ -333,7 +394,7 @@ LANES_INLINE void f32_add8(void *base, const uint32_t *row, const f32 *column)
         _mm512_store_pd(buffer[2 * q + 1], _mm512_permutex2var_pd(l, back, h));
     }
     for (int r = 0; r < 16; r++) {
-        float *to = lanes_half(base, row[r]);
+        float *to = lanes_sums(base, row[r], unit);
         _mm256_storeu_ps(to, _mm256_loadu_ps(to) + _mm256_load_ps(&buffer[2 * (r & 3) + r / 8][2 * (r & 4)]));
     }
 }

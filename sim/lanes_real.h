@@ -30,6 +30,7 @@
 #define real_at_least REAL(at_least)
 #define real_and      REAL(and)
 #define real_select   REAL(select)
+#define real_where    REAL(where)
 #define real_larger   REAL(larger)
 #define real_smaller  REAL(smaller)
 #define real_fma      REAL(fma)

@@ -80,6 +80,14 @@ LANES_INLINE f32 f32_select(f32_mask m, f32 a, f32 b)
 {
     return m ? a : b;
 }
+LANES_INLINE f64 f64_where(f64_mask m, f64 x) /* x or 0 */
+{
+    return m ? x : 0;
+}
+LANES_INLINE f32 f32_where(f32_mask m, f32 x)
+{
+    return m ? x : 0;
+}
 LANES_INLINE f64 f64_larger(f64 a, f64 b) /* b if one is NaN */
 {
     return a > b ? a : b;
@@ -130,29 +138,35 @@ LANES_INLINE f64 f32h_widen(f32h x)
 {
     return x;
 }
-/* An f32 from F32_LANES/F64_LANES of f64, and back. */
-LANES_INLINE f32 f32_of(const f64 *part)
-{
-    return (float)part[0];
-}
+/* F32_LANES/F64_LANES f64 from an f32. */
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {
     part[0] = x;
 }
-/* Two floats side by side in each double, and back; `part` as of f32_of. */
-LANES_INLINE f64 f64_pair(f32h even, f32h odd)
+LANES_INLINE int32_t lanes_integer(float bits)
 {
-    float both[2] = {even, odd};
-    f64 pair;
-    memcpy(&pair, both, sizeof pair);
-    return pair;
+    int32_t integer;
+    memcpy(&integer, &bits, sizeof integer);
+    return integer;
 }
-LANES_INLINE void f32_split(const f64 *part, f32 *even, f32 *odd)
+/* Integers in a float's place: the nearest to x (even if it is between two; INT32_MIN if x has none), the same in every
+ * lane, and the difference of two. */
+LANES_INLINE f32h f64_fixed(f64 x)
 {
-    float both[2];
-    memcpy(both, part, sizeof both);
-    *even = both[0];
-    *odd = both[1];
+    int32_t integer = x > -2147483649.0 && x < 2147483647.5 ? (int32_t)nearbyint(x) : INT32_MIN;
+    f32h bits;
+    memcpy(&bits, &integer, sizeof bits);
+    return bits;
+}
+LANES_INLINE f32 f32_all_integers(int32_t integer)
+{
+    f32 bits;
+    memcpy(&bits, &integer, sizeof bits);
+    return bits;
+}
+LANES_INLINE f32 f32_of_difference(f32 a, f32 b)
+{
+    return (float)(int32_t)((uint32_t)lanes_integer(a) - (uint32_t)lanes_integer(b));
 }
 /* Columns of blocks of 4 doubles or floats that start `base` + row[lane] doubles. */
 LANES_INLINE void f64_gather4(const double *base, const uint32_t *row, f64 *column)
@@ -163,6 +177,15 @@ LANES_INLINE void f64_gather4(const double *base, const uint32_t *row, f64 *colu
 LANES_INLINE void f32_gather4(const double *base, const uint32_t *row, f32 *column)
 {
     memcpy(column, base + row[0], 4 * sizeof *column);
+}
+LANES_INLINE void f32_gather8(const double *base, const uint32_t *row, f32 *column)
+{
+    memcpy(column, base + row[0], 8 * sizeof *column);
+}
+/* Of the floats one by one: base[row/stride]; stride is 2 or 4. */
+LANES_INLINE f32 f32_gather(const float *base, const uint32_t *row, int stride)
+{
+    return base[row[0] / (uint32_t)stride];
 }
 /* The same for F64_LANES records, one after the other with `stride` members from one to the next. */
 LANES_INLINE void f64_load4(const double *from, int stride, f64 *column)
@@ -177,8 +200,21 @@ LANES_INLINE void f64_store4(double *to, int stride, const f64 *column)
     for (int c = 0; c < 4; c++)
         to[c] = column[c];
 }
-/* Columns of F64_LANES consecutive records of 2 doubles, of 4 or of 8 floats. */
+LANES_INLINE void f32h_store4(float *to, const f32h *column)
+{
+    memcpy(to, column, 4 * sizeof *column);
+}
+LANES_INLINE void f32h_store8(float *to, const f32h *column)
+{
+    memcpy(to, column, 8 * sizeof *column);
+}
+/* Columns of F64_LANES consecutive records of 2 doubles, of 2, 4 or 8 floats. */
 LANES_INLINE void f64_load2(const double *from, f64 *column)
+{
+    column[0] = from[0];
+    column[1] = from[1];
+}
+LANES_INLINE void f32h_load2(const float *from, f32h *column)
 {
     column[0] = from[0];
     column[1] = from[1];
@@ -193,40 +229,40 @@ LANES_INLINE void f32h_load8(const float *from, f32h *column)
     for (int c = 0; c < 8; c++)
         column[c] = from[c];
 }
-/* Where the sums of a particle are whose record starts at `row`: records are twice as long (particles.h). */
-LANES_INLINE void *lanes_half(void *base, uint32_t row)
+/* Where the sums of a particle are whose record starts at `row`, `unit` bytes for each double of a record. */
+LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)
 {
-    return (char *)base + sizeof(double) / 2 * (size_t)row;
+    return (char *)base + (size_t)unit * row;
 }
 /* Adds columns to the sums that belong to records, in the order of the lanes: rows of 2 and 4 doubles, 2, 4 and 8
  * floats. */
 LANES_INLINE void f64_add2(void *base, const uint32_t *row, const f64 *column)
 {
-    double *to = lanes_half(base, row[0]);
+    double *to = lanes_sums(base, row[0], 4);
     for (int c = 0; c < 2; c++)
         to[c] += column[c];
 }
 LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
 {
-    double *to = lanes_half(base, row[0]);
+    double *to = lanes_sums(base, row[0], 4);
     for (int c = 0; c < 4; c++)
         to[c] += column[c];
 }
-LANES_INLINE void f32_add2(void *base, const uint32_t *row, const f32 *column)
+LANES_INLINE void f32_add2(void *base, const uint32_t *row, int unit, const f32 *column)
 {
-    float *to = lanes_half(base, row[0]);
+    float *to = lanes_sums(base, row[0], unit);
     for (int c = 0; c < 2; c++)
         to[c] += column[c];
 }
-LANES_INLINE void f32_add4(void *base, const uint32_t *row, const f32 *column)
+LANES_INLINE void f32_add4(void *base, const uint32_t *row, int unit, const f32 *column)
 {
-    float *to = lanes_half(base, row[0]);
+    float *to = lanes_sums(base, row[0], unit);
     for (int c = 0; c < 4; c++)
         to[c] += column[c];
 }
-LANES_INLINE void f32_add8(void *base, const uint32_t *row, const f32 *column)
+LANES_INLINE void f32_add8(void *base, const uint32_t *row, int unit, const f32 *column)
 {
-    float *to = lanes_half(base, row[0]);
+    float *to = lanes_sums(base, row[0], unit);
     for (int c = 0; c < 8; c++)
         to[c] += column[c];
 }

@@ -154,7 +154,7 @@ static enum status build_pairs(struct neighbor *nb, const struct particles *p, s
     if (fresh->count)
         nb->search.add(fresh->reach, p->radius, fresh->i, fresh->j, fresh->count);
     fresh->search_max = pairs->search_max;
-    TRY(contact_list_close(fresh, p));
+    TRY(contact_list_close(fresh, p, NULL));
     swap_lists(pairs, fresh);
     return STATUS_OK;
 }
@@ -187,20 +187,19 @@ static enum status build_wall(struct neighbor *nb, const struct particles *p, st
         fresh->reach[k] = p->radius[near[k]];
     }
     TRY(carry_history(nb, fresh, &wall->contacts));
-    TRY(contact_list_close(fresh, p));
-    swap_lists(&wall->contacts, fresh);
     wall->x_list = wall->x;
+    TRY(contact_list_close(fresh, p, wall));
+    swap_lists(&wall->contacts, fresh);
     return STATUS_OK;
 }
 
 enum status neighbor_build(struct neighbor *nb, struct particles *p, struct contact_list *pairs, struct wall *walls,
                            int n_walls)
 {
+    particles_listed(p, nb->skin);
     TRY(build_pairs(nb, p, pairs));
     for (int w = 0; w < n_walls; w++)
         TRY(build_wall(nb, p, &walls[w]));
-    for (int c = 0; c < p->dimension; c++)
-        memcpy(p->x_list[c], p->x[c], (size_t)p->count * sizeof(double));
     nb->rebuilds++;
     return STATUS_OK;
 }

@@ -29,12 +29,19 @@ static enum status records_init(struct particles *p)
     p->n_rows = (p->count + ARRAY_PADDING - 1) / ARRAY_PADDING * ARRAY_PADDING + ARRAY_PADDING;
     TRY(array_resize(&p->record, stride * sizeof(double), (size_t)p->n_rows, 0));
     TRY(array_resize(&p->force, 1, particles_force_size(p), 0));
-    p->record[(size_t)particles_padding(p) * stride] = 1e9; /* its first coordinate [m] */
-    for (int c = 0; p->single && c < p->dimension; c++)
-        TRY(array_resize(&p->view_v[c], sizeof(float), (size_t)p->count, 0));
+    for (int c = 0; p->single && c < p->dimension; c++) {
+        TRY(array_resize(&p->view_u[c], sizeof(int32_t), (size_t)p->n_rows, 0));
+        TRY(array_resize(&p->view_v[c], sizeof(float), (size_t)p->n_rows, 0));
+    }
     for (int c = 0; p->single && c < p->n_rotations; c++)
-        TRY(array_resize(&p->view_omega[c], sizeof(float), (size_t)p->count, 0));
-    return p->single ? array_resize(&p->view_radius, sizeof(float), (size_t)p->count, 0) : STATUS_OK;
+        TRY(array_resize(&p->view_omega[c], sizeof(float), (size_t)p->n_rows, 0));
+    if (!p->single) {
+        ((double *)p->record)[(size_t)particles_padding(p) * stride] = 1e9; /* its first coordinate [m] */
+        return STATUS_OK;
+    }
+    TRY(array_resize(&p->view_radius, sizeof(float), (size_t)p->count, 0));
+    particles_set_views(p, 0);
+    return STATUS_OK;
 }
 
 enum status particles_init(struct particles *p, int count, int dimension, bool rotations, bool single)
@@ -92,6 +99,7 @@ void particles_free(struct particles *p)
         free(p->omega[c]);
         free(p->alpha[c]);
         free(p->x_list[c]);
+        free(p->view_u[c]);
         free(p->view_v[c]);
         free(p->view_omega[c]);
     }
@@ -105,6 +113,22 @@ void particles_free(struct particles *p)
     free(p->inv_mass);
     free(p->inv_inertia);
     memset(p, 0, sizeof *p);
+}
+
+void particles_set_views(struct particles *p, double skin)
+{
+    int exponent = 0;
+    (void)frexp(skin > 0 ? skin : 1, &exponent);
+    p->quantum = ldexp(1, exponent - 29);
+    for (int i = 0; p->single && i < p->count; i++)
+        p->view_radius[i] = (float)p->radius[i];
+}
+
+void particles_listed(struct particles *p, double skin)
+{
+    for (int c = 0; c < p->dimension; c++)
+        memcpy(p->x_list[c], p->x[c], (size_t)p->count * sizeof(double));
+    particles_set_views(p, skin);
 }
 
 void particles_set_inverse(struct particles *p)

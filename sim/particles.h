@@ -28,24 +28,27 @@ struct particles {
     double *x_list[3];   /* positions at the last rebuild of the lists */
     bool single;         /* contacts in float (mixed precision) */
     int n_rows;          /* of records and sums: whole vectors, and the padding particle behind them */
-    double *record;      /* [n_rows][RECORD_STRIDE] what contacts need, side by side; made by drift */
+    void *record;        /* [n_rows][RECORD_STRIDE] what contacts need, side by side; made by drift */
     void *force;         /* sums of contact forces [N] and of moments n x f_t [N]: below; zeroed by kick */
-    float *view_v[3], *view_omega[3], *view_radius; /* single: as the arrays above, made by drift */
+    double quantum;      /* single: the unit of u [m] */
+    int32_t *view_u[3];  /* single: u, and floats of the arrays above; [n_rows], made by drift */
+    float *view_v[3], *view_omega[3], *view_radius;
 };
 
 /* Records, in doubles. 2D: [x0 x1 v0 v1], with friction [omega - - -]; 3D: [x0 x1 x2 -][v0 v1 v2 -], with friction
- * [omega0 omega1 omega2 -] and a block of air. Single, "/" between two floats in one double: 2D [x0 x1 v0/v1 omega/-];
- * 3D [x0 x1 x2 v0/v1][v2/omega0 omega1/omega2 - -].
- * Sums, double or float: first a row for each particle, 2D [f0 f1], with friction or single [f0 f1 moment -]; 3D
- * [f0 f1 f2 -], with friction or single [moment0 moment1 moment2 -]. A record is always twice as long as its row, so
- * that one index serves both. Behind the rows a column of n_rows for each component of force and moment, for sums over
- * particles side by side. Torque = -a moment. */
+ * [omega0 omega1 omega2 -] and a block of air. Single, in integers u (position: x_list + u quantum) and floats: 2D
+ * [u0 u1 v0 v1]; 3D [u0 u1 u2 v0 v1 v2 omega0 omega1].
+ * Sums, double or float: first a row for each particle, 2D [f0 f1], with friction [f0 f1 moment -]; 3D [f0 f1 f2 -],
+ * with friction [moment0 moment1 moment2 -]. Behind the rows a column of n_rows for each component of force and moment,
+ * for sums over particles side by side. Torque = -a moment. */
 #define RECORD_STRIDE(dimension, frictional, single)                                                                   \
-    ((single) ? ((dimension) == 2 ? 4 : 8) : (dimension) == 2 ? ((frictional) ? 8 : 4) : ((frictional) ? 16 : 8))
+    ((single) ? ((dimension) == 2 ? 2 : 4) : (dimension) == 2 ? ((frictional) ? 8 : 4) : ((frictional) ? 16 : 8))
+#define ROW_BYTES(dimension, frictional, single)                                                                       \
+    ((int)((dimension) == 2 ? ((frictional) ? 4 : 2) : ((frictional) ? 8 : 4)) * ((single) ? 4 : 8))
 #define FORCE_MOMENT(dimension) ((dimension) == 2 ? 2 : 4)
 /* Where the columns start, in bytes. */
 #define PARTICLES_OWN_OFFSET(rows, dimension, frictional, single)                                                      \
-    ((size_t)(rows)*RECORD_STRIDE(dimension, frictional, single) / 2 * sizeof(double))
+    ((size_t)(rows)*ROW_BYTES(dimension, frictional, single))
 
 /* Index of the padding particle, far from everything, that fills up sets of contacts. */
 int particles_padding(const struct particles *particles);
@@ -62,6 +65,13 @@ void particles_force_add(struct particles *particles, const void *force, size_t 
 
 /* Mass of a sphere [LH, D], also in 2D, and the moment of inertia (2/5) m a^2, from radius and density. */
 void particles_set_mass(struct particles *particles, double density_kg_per_m3);
+
+/* The lists are built for the positions as they are: x_list, and the quantum, so that u has room for 4 skins. Records
+ * are to be made anew (drift). */
+void particles_listed(struct particles *particles, double skin_m);
+
+/* Single: the quantum for lists of this skin, and radii in float. */
+void particles_set_views(struct particles *particles, double skin_m);
 
 /* Inverse masses and moments of inertia from masses and radii. */
 void particles_set_inverse(struct particles *particles);

@@ -162,7 +162,8 @@ static void turn_springs(struct contact_list *list, const struct moved *moved)
             }
 }
 
-static enum status renumber_list(struct contact_list *list, const struct particles *p, const int32_t *slot)
+static enum status renumber_list(struct contact_list *list, const struct particles *p, const struct wall *wall,
+                                 const int32_t *slot)
 {
     contact_list_read(list);
     struct moved *moved = malloc((size_t)(list->count + 1) * sizeof *moved);
@@ -189,7 +190,7 @@ static enum status renumber_list(struct contact_list *list, const struct particl
     turn_springs(list, moved);
     free(moved);
     free(scratch);
-    return contact_list_close(list, p);
+    return contact_list_close(list, p, wall);
 }
 
 enum status renumber(struct particles *p, struct contact_list *pairs, struct wall *walls, int n_walls)
@@ -199,9 +200,9 @@ enum status renumber(struct particles *p, struct contact_list *pairs, struct wal
     if (status == STATUS_OK)
         status = permute_particles(p, order, slot);
     if (status == STATUS_OK)
-        status = renumber_list(pairs, p, slot);
+        status = renumber_list(pairs, p, NULL, slot);
     for (int w = 0; status == STATUS_OK && w < n_walls; w++)
-        status = renumber_list(&walls[w].contacts, p, slot);
+        status = renumber_list(&walls[w].contacts, p, &walls[w], slot);
     free(order);
     free(slot);
     return status;

@@ -15,7 +15,7 @@ enum { ROWS_ALIGNMENT = 16 };
 /* Of a row of sums, and of one value. */
 static size_t row_bytes(const struct particles *p)
 {
-    return RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->single) / 2 * sizeof(double);
+    return (size_t)ROW_BYTES(p->dimension, p->n_rotations > 0, p->single);
 }
 
 static size_t value_bytes(const struct particles *p)

@@ -147,7 +147,7 @@ static double sticking_error(int dimension, int steps)
     struct contact_list *floor = &f.world->walls[2 * (dimension - 1)].contacts;
     contact_list_read(floor);
     floor->spring[0][0] = (dimension == 2 ? -1 : 1) * 0.5 * f.world->dt * v0;
-    must(contact_list_close(floor, p));
+    must(contact_list_close(floor, p, &f.world->walls[2 * (dimension - 1)]));
     fixture_steps(&f, steps);
     double expected = v0 * exp(-eta * t) * (cos(omega * t) - eta / omega * sin(omega * t));
     double error = fabs(slip_velocity(p, 0) - expected);
@@ -353,7 +353,7 @@ static void turn_pair(int dimension, double tilt)
         spring[0][0] = length;
     for (int c = 0; c < dimension && dimension == 3; c++)
         spring[c][0] = xi[c];
-    must(contact_list_close(&f.world->pairs, p));
+    must(contact_list_close(&f.world->pairs, p, NULL));
     for (int k = 1; k <= N; k++) {
         turn(about, 2 * PI * k / N, start, branch);
         rotate_once(&f, middle, about, 2 * PI / N / f.world->dt, branch);

@@ -247,7 +247,7 @@ static void oblique(int dimension, int steps, double *value)
     double vt = dimension == 2 ? -0.5 * v - p->radius[1] * 30 : 0.5 * v;
     contact_list_read(&f.world->pairs);
     f.world->pairs.spring[dimension == 2 ? 0 : 2][0] = 0.5 * f.world->dt * vt;
-    must(contact_list_close(&f.world->pairs, p));
+    must(contact_list_close(&f.world->pairs, p, NULL));
     fixture_steps(&f, steps);
     assert_false(contact_list_slides(&f.world->pairs, 0));
     for (int i = 0; i < 2; i++) {

@@ -89,6 +89,7 @@ static void random_particles(struct particles *p, int count, struct model model,
         }
     }
     particles_set_mass(p, 2000);
+    particles_set_views(p, 1e-4);
 }
 
 /* Open, exactly or barely touching, small, common and large overlaps [m]. */
@@ -145,7 +146,7 @@ static void random_pairs(struct bench *b, int count, struct model model, struct 
         b->pairs.reach[k] = distance_of(&b->p, i, j) + overlap;
         random_state(&b->pairs, k, &b->law, overlap, random);
     }
-    must(contact_list_close(&b->pairs, &b->p));
+    must(contact_list_close(&b->pairs, &b->p, NULL));
 }
 
 /* Contacts of a wall, at most one per particle; every other one touches. */
@@ -166,7 +167,8 @@ static void random_wall(struct bench *b, int count, struct model model, struct r
         list->reach[k] = b->p.radius[k];
         random_state(list, k, &b->law, overlap, random);
     }
-    must(contact_list_close(list, &b->p));
+    b->wall.x_list = b->wall.x;
+    must(contact_list_close(list, &b->p, &b->wall));
 }
 
 /* Bytes behind `used` of an array of `size` bytes. */
@@ -260,7 +262,7 @@ static void lists_compare(struct contact_list *a, struct contact_list *b)
 /* The sums of forces and moments but for those of the padding, which may differ in the sign of zero. */
 static void forces_compare(const struct particles *a, const struct particles *b)
 {
-    const size_t row = RECORD_STRIDE(a->dimension, a->n_rotations > 0, a->single) / 2 * sizeof(double);
+    const size_t row = (size_t)ROW_BYTES(a->dimension, a->n_rotations > 0, a->single);
     const size_t columns = PARTICLES_OWN_OFFSET(a->n_rows, a->dimension, a->n_rotations > 0, a->single);
     const size_t real = a->single ? sizeof(float) : sizeof(double);
     assert_memory_equal(a->force, b->force, row * (size_t)a->count);
@@ -293,7 +295,7 @@ static struct contact_losses loss_sizes(struct bench *b, struct model model, con
         one.j[0] = b->pairs.j[k];
         one.reach[0] = b->pairs.reach[k];
         contact_list_carry(&one, 0, &b->pairs, k);
-        must(contact_list_close(&one, &b->p));
+        must(contact_list_close(&one, &b->p, NULL));
         kernels->pair(&b->p, &one, 0, one.n_sets, &b->law, b->p.force, &lost);
         sizes.hysteresis += fabs(lost.hysteresis);
         sizes.viscous_normal += fabs(lost.viscous_normal);
