@@ -88,7 +88,7 @@ static enum status check_inside(const struct world *world)
                 STATUS_UNSTABLE,
                 "step %lld (t = %g s): particle %d left the box in %c (at %g m, walls at %g and %g m); a "
                 "smaller dt_s or exchange interval, or a heavier wall, would help",
-                step, world->time_s, i, axis, x[i], lo, hi);
+                step, world->time_s, particles->id[i], axis, x[i], lo, hi);
         }
     }
     return STATUS_OK;

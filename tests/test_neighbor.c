@@ -371,6 +371,26 @@ static void renumbering_keeps_the_physics(void **state)
     }
 }
 
+/* By its id, wherever it is kept. */
+static void a_particle_that_left_is_named(void **state)
+{
+    (void)state;
+    struct fixture f = scatter(2, 200, 2, 0.7, 6, "neighbor = { renumber_steps = 0; };");
+    struct particles *p = &f.world->particles;
+    char name[64];
+    fixture_start(&f);
+    must(renumber(p, &f.world->pairs, f.world->walls, f.world->n_walls));
+    build(f.world);
+    int slot = 0;
+    while (p->id[slot] == slot)
+        slot++;
+    p->x[0][slot] = f.world->walls[1].x + 1;
+    assert_int_equal(world_step(f.world), STATUS_UNSTABLE);
+    snprintf(name, sizeof name, "particle %d left the box in x", p->id[slot]);
+    assert_non_null(strstr(status_message(), name));
+    fixture_close(&f);
+}
+
 /* Neighbours in space become neighbours in memory. */
 static void renumbering_brings_neighbours_together(void **state)
 {
@@ -410,7 +430,7 @@ int main(void)
         cmocka_unit_test(histories_are_carried_exactly),  cmocka_unit_test(the_tuned_skin_changes_nothing),
         cmocka_unit_test(the_tuned_skin_narrows_at_rest), cmocka_unit_test(renumbering_only_moves),
         cmocka_unit_test(renumbering_keeps_the_physics),  cmocka_unit_test(renumbering_brings_neighbours_together),
-        cmocka_unit_test(ids_that_are_none_are_refused),
+        cmocka_unit_test(a_particle_that_left_is_named),  cmocka_unit_test(ids_that_are_none_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
