@@ -68,14 +68,6 @@ static void empty_slots(struct contact_list *list, int dimension, uint32_t paddi
     }
     for (int c = 1; list->single && c < dimension; c++)
         memset(slots->built[c], 0, real * size);
-    if (list->hysteretic)
-        memset(slots->history, 0, real * size);
-    if (list->n_springs)
-        memset(slots->sliding, 0, real * size);
-    for (int c = 0; c < list->n_springs; c++) {
-        memset(slots->spring[c], 0, real * size);
-        memset(slots->rest[c], 0, real * size);
-    }
     for (size_t s = 0; s < size; s++)
         put(list, slots->reach, s, nothing);
 }
@@ -109,6 +101,23 @@ static void fill_slots(struct contact_list *list, const struct particles *p, con
         if (list->single)
             fill_built(list, s, list->reach[k], p, i, j, wall);
         put(list, slots->reach, s, list->reach[k]);
+    }
+}
+
+static void fill_history(struct contact_list *list)
+{
+    const size_t size = (size_t)list->n_sets * SET_WIDTH * (list->single ? sizeof(float) : sizeof(double));
+    struct contact_slots *slots = &list->slots;
+    if (list->hysteretic)
+        memset(slots->history, 0, size);
+    if (list->n_springs)
+        memset(slots->sliding, 0, size);
+    for (int c = 0; c < list->n_springs; c++) {
+        memset(slots->spring[c], 0, size);
+        memset(slots->rest[c], 0, size);
+    }
+    for (int k = 0; k < list->count; k++) {
+        const size_t s = list->slot[k] / 2;
         if (list->hysteretic)
             put(list, slots->history, s, list->history[k]);
         if (list->n_springs)
@@ -137,7 +146,7 @@ static enum status assign(struct contact_list *list, bool wall, int n_particles,
     return STATUS_OK;
 }
 
-enum status contact_list_close(struct contact_list *list, const struct particles *particles, const struct wall *wall)
+enum status contact_list_place(struct contact_list *list, const struct particles *particles, const struct wall *wall)
 {
     const uint32_t stride = RECORD_STRIDE(particles->dimension, particles->n_rotations > 0, particles->single);
     if (list->count > INT32_MAX / (4 * SET_WIDTH))
@@ -150,6 +159,14 @@ enum status contact_list_close(struct contact_list *list, const struct particles
     /* nothing: no reach, and for walls less than none, for they know no distance to the padding particle */
     empty_slots(list, particles->dimension, stride * (uint32_t)particles_padding(particles), wall ? -1e30 : 0);
     fill_slots(list, particles, wall, stride);
+    return STATUS_OK;
+}
+
+enum status contact_list_close(struct contact_list *list, const struct particles *particles, const struct wall *wall)
+{
+    TRY(contact_list_place(list, particles, wall));
+    if (list->count)
+        fill_history(list);
     return STATUS_OK;
 }
 

@@ -105,6 +105,10 @@ void contact_list_clear(struct contact_list *to, int t);
 enum status contact_list_close(struct contact_list *list, const struct particles *particles,
                                const struct wall *wall) MUST_USE;
 
+/* The same but for the history, which the caller is to write into every slot (carry.h). */
+enum status contact_list_place(struct contact_list *list, const struct particles *particles,
+                               const struct wall *wall) MUST_USE;
+
 /* Makes room for `capacity` members; contents are kept. */
 enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension) MUST_USE;
 void contact_list_free(struct contact_list *list);

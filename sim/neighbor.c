@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/carry.h"
 #include "sim/memory.h"
 
 static void list_model(struct contact_list *list, const struct particles *p, bool hysteretic)
@@ -112,10 +113,10 @@ static enum status reserve_source(struct neighbor *nb, int count)
     return STATUS_OK;
 }
 
-/* Histories of the candidates of `to` that `from` had too; both sorted. The others start from zero. */
-static enum status carry_history(struct neighbor *nb, struct contact_list *to, struct contact_list *from)
+/* Closes `to` with the histories of the candidates that `from` had too; both sorted. The others start from zero. */
+static enum status close_after(struct neighbor *nb, struct contact_list *to, struct contact_list *from,
+                               const struct particles *p, const struct wall *wall)
 {
-    contact_list_read(from);
     TRY(reserve_source(nb, to->count));
     for (int k = 0, old = 0; k < to->count; k++) {
         uint64_t key = pair_key(to, k);
@@ -123,17 +124,7 @@ static enum status carry_history(struct neighbor *nb, struct contact_list *to, s
             old++;
         nb->source[k] = old < from->count && pair_key(from, old) == key ? old : -1;
     }
-    double *const fresh[] = {to->history,   to->sliding, to->spring[0], to->spring[1],
-                             to->spring[2], to->rest[0], to->rest[1],   to->rest[2]};
-    const double *const known[] = {from->history,   from->sliding, from->spring[0], from->spring[1],
-                                   from->spring[2], from->rest[0], from->rest[1],   from->rest[2]};
-    for (int a = 0; a < 8; a++) {
-        if (fresh[a] && from->count)
-            nb->search.carry(fresh[a], known[a], nb->source, to->count);
-        else if (fresh[a])
-            memset(fresh[a], 0, (size_t)to->count * sizeof(double));
-    }
-    return STATUS_OK;
+    return carry_close(to, p, wall, from, nb->source, &nb->search);
 }
 
 static void swap_lists(struct contact_list *a, struct contact_list *b)
@@ -150,11 +141,10 @@ static enum status build_pairs(struct neighbor *nb, const struct particles *p, s
     nb->found.count = 0;
     TRY(nb->search.pairs(&nb->cells, nb->skin, &nb->block, &nb->found));
     TRY(sort_pairs(nb, p->count, fresh, p->dimension));
-    TRY(carry_history(nb, fresh, pairs));
     if (fresh->count)
         nb->search.add(fresh->reach, p->radius, fresh->i, fresh->j, fresh->count);
     fresh->search_max = pairs->search_max;
-    TRY(contact_list_close(fresh, p, NULL));
+    TRY(close_after(nb, fresh, pairs, p, NULL));
     swap_lists(pairs, fresh);
     return STATUS_OK;
 }
@@ -186,9 +176,8 @@ static enum status build_wall(struct neighbor *nb, const struct particles *p, st
         fresh->j[k] = p->count;
         fresh->reach[k] = p->radius[near[k]];
     }
-    TRY(carry_history(nb, fresh, &wall->contacts));
     wall->x_list = wall->x;
-    TRY(contact_list_close(fresh, p, wall));
+    TRY(close_after(nb, fresh, &wall->contacts, p, wall));
     swap_lists(&wall->contacts, fresh);
     return STATUS_OK;
 }

@@ -25,15 +25,18 @@ struct search_block {
 typedef enum status pair_search(const struct cells *cells, double skin_m, struct search_block *block,
                                 struct pair_buffer *pairs);
 
-/* to[k] = from[source[k]], or 0 where source[k] < 0; k = 0 ... count - 1. No overlap. */
-typedef void carry_values(double *to, const double *from, const int32_t *source, int count);
+/* to[s] = from[source[s] / 2], the other way round where source[s] is odd and `turns`, or 0 where source[s] < 0;
+ * s = 0 ... count - 1. No overlap. */
+typedef void carry_doubles(double *to, const double *from, const int32_t *source, int count, bool turns);
+typedef void carry_floats(float *to, const float *from, const int32_t *source, int count, bool turns);
 
 /* to[k] = value[i[k]] + value[j[k]]. */
 typedef void add_values(double *to, const double *value, const int32_t *i, const int32_t *j, int count);
 
 struct search {
     pair_search *pairs;
-    carry_values *carry;
+    carry_doubles *carry_doubles;
+    carry_floats *carry_floats;
     add_values *add;
 };
 

@@ -156,14 +156,25 @@ static enum status SEARCH_NAME(pairs)(const struct cells *cells, double skin, st
     return STATUS_OK;
 }
 
-static void SEARCH_NAME(carry)(double *restrict to, const double *restrict from, const int32_t *restrict source,
-                               int count)
-{
-    for (int k = 0; k < count; k++) {
-        double value = from[source[k] < 0 ? 0 : source[k]];
-        to[k] = source[k] < 0 ? 0 : value;
+#define DEFINE_CARRY(real)                                                                                             \
+    static inline __attribute__((always_inline)) void SEARCH_NAME(carry_each_##real)(                                  \
+        real *restrict to, const real *restrict from, const int32_t *restrict source, int count, const bool turns)     \
+    {                                                                                                                  \
+        for (int s = 0; s < count; s++) {                                                                              \
+            const int32_t at = source[s];                                                                              \
+            const real value = from[at < 0 ? 0 : at >> 1], there = turns && (at & 1) ? -value : value;                 \
+            to[s] = at < 0 ? 0 : there;                                                                                \
+        }                                                                                                              \
+    }                                                                                                                  \
+    static void SEARCH_NAME(carry_##real)(real *to, const real *from, const int32_t *source, int count, bool turns)    \
+    {                                                                                                                  \
+        if (turns)                                                                                                     \
+            SEARCH_NAME(carry_each_##real)(to, from, source, count, true);                                             \
+        else                                                                                                           \
+            SEARCH_NAME(carry_each_##real)(to, from, source, count, false);                                            \
     }
-}
+DEFINE_CARRY(double)
+DEFINE_CARRY(float)
 
 static void SEARCH_NAME(add)(double *restrict to, const double *restrict value, const int32_t *restrict i,
                              const int32_t *restrict j, int count)
@@ -173,4 +184,5 @@ static void SEARCH_NAME(add)(double *restrict to, const double *restrict value, 
 }
 
 extern const struct search SEARCH_NAME(search);
-const struct search SEARCH_NAME(search) = {SEARCH_NAME(pairs), SEARCH_NAME(carry), SEARCH_NAME(add)};
+const struct search SEARCH_NAME(search) = {SEARCH_NAME(pairs), SEARCH_NAME(carry_double), SEARCH_NAME(carry_float),
+                                                 SEARCH_NAME(add)};
