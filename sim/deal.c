@@ -171,21 +171,22 @@ static void pass_on(struct table *t, int pair, int i, int j)
     put_beyond(t, i, (struct entry){pair, j});
 }
 
-/* A pair goes to the member that has more places to fill for each pair to come. */
+/* A pair goes to the member that has more places to fill for each pair to come. Without a branch: it could not be
+ * predicted. */
 static void deal_out(struct table *t, const struct contact_list *list)
 {
-    t->n_over = 0;
-    for (int k = 0; k < list->count; k++) {
-        const int i = list->i[k], j = list->j[k];
-        struct column *of_i = &t->column[i], *of_j = &t->column[j];
-        const bool to_j = (int64_t)of_j->room * of_i->left > (int64_t)of_i->room * of_j->left;
-        const int owner = to_j ? j : i;
+    struct column *const columns = t->column;
+    const int32_t *const i = list->i, *const j = list->j, count = list->count;
+    for (int k = 0; k < count; k++) {
+        struct column *of_i = &columns[i[k]], *of_j = &columns[j[k]];
+        const int32_t to_j = (int64_t)of_j->room * of_i->left > (int64_t)of_i->room * of_j->left, both = i[k] ^ j[k];
+        const int32_t owner = i[k] ^ (both & -to_j);
         of_i->left--;
         of_j->left--;
-        if (t->column[owner].room > 0)
-            put(t, owner, (struct entry){k, to_j ? i : j});
+        if (columns[owner].room > 0)
+            put(t, owner, (struct entry){k, both ^ owner});
         else
-            pass_on(t, k, i, j);
+            pass_on(t, k, i[k], j[k]);
     }
 }
 
