@@ -2,7 +2,7 @@
  * particle-step against the number of particles, dense packings with the radii and materials of scenes A (2D) and B
  * (3D). A packing is a jittered lattice at the solid fraction that gives the scene's number of contacts, relaxed for a
  * few hundred steps under strong damping. Particles get their places at random, as after long mixing; --ordered keeps
- * them in rows. Times are the least of several blocks. */
+ * them in rows. Times are the least of several blocks; the clock of the core before and after stands beside them. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <limits.h>
@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/timing.h"
 #include "common/bus.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
@@ -46,6 +47,7 @@ static const struct kind kinds[] = {
 
 struct row {
     int count, contacts, candidates, threads;
+    double before_ghz, after_ghz; /* of the core */
     double setup_s, step_us, pair_us, walls_us, drift_us, kick_us, build_us, sum_us;
 };
 
@@ -188,7 +190,10 @@ static enum status measure_world(struct world *world, const struct kind *kind, b
     TRY(steps(world, 20));
     row->contacts = measure_contacts(world, NULL);
     row->candidates = world->pairs.count;
-    return time_parts(world, row);
+    row->before_ghz = timing_core_ghz();
+    TRY(time_parts(world, row));
+    row->after_ghz = timing_core_ghz();
+    return STATUS_OK;
 }
 
 static enum status measure_row(const struct kind *kind, int count, bool ordered, struct row *row)
@@ -216,16 +221,17 @@ static enum status measure_row(const struct kind *kind, int count, bool ordered,
 static json_t *report_row(const struct kind *kind, const struct row *row)
 {
     double n = row->count, parts = row->pair_us + row->walls_us + row->drift_us + row->kick_us;
-    printf("%dD %8d %2d %6.2f %6.2f %7.2f %11.1f %9.2f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f\n", kind->dimension,
-           row->count, row->threads, row->contacts / n, row->candidates / n, row->setup_s, row->step_us,
-           1e3 * row->step_us / n, 100 * row->pair_us / parts, 100 * row->walls_us / parts, 100 * row->drift_us / parts,
-           100 * row->kick_us / parts, 1e3 * row->build_us / n, row->build_us / row->step_us);
+    printf("%dD %8d %2d %6.2f %6.2f %7.2f %11.1f %9.2f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f %5.2f %5.2f\n",
+           kind->dimension, row->count, row->threads, row->contacts / n, row->candidates / n, row->setup_s,
+           row->step_us, 1e3 * row->step_us / n, 100 * row->pair_us / parts, 100 * row->walls_us / parts,
+           100 * row->drift_us / parts, 100 * row->kick_us / parts, 1e3 * row->build_us / n,
+           row->build_us / row->step_us, row->before_ghz, row->after_ghz);
     fflush(stdout);
-    return json_pack("{s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "dimension", kind->dimension,
-                     "particles", row->count, "threads", row->threads, "contacts", row->contacts, "candidates",
-                     row->candidates, "setup_s", row->setup_s, "step_us", row->step_us, "pair_us", row->pair_us,
-                     "walls_us", row->walls_us, "drift_us", row->drift_us, "kick_us", row->kick_us, "build_us",
-                     row->build_us);
+    return json_pack("{s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "dimension",
+                     kind->dimension, "particles", row->count, "threads", row->threads, "contacts", row->contacts,
+                     "candidates", row->candidates, "setup_s", row->setup_s, "step_us", row->step_us, "pair_us",
+                     row->pair_us, "walls_us", row->walls_us, "drift_us", row->drift_us, "kick_us", row->kick_us,
+                     "build_us", row->build_us, "core_ghz_before", row->before_ghz, "core_ghz_after", row->after_ghz);
 }
 
 /* "a,b,..." into list; returns how many. */
@@ -253,7 +259,7 @@ static enum status bench_scaling(const struct options *options, json_t *rows)
         return status_fail(STATUS_USAGE, "usage: bench_scaling [--dimension 2|3] [--counts N,N,...] [--threads T,...] "
                                          "[--ordered] [--json FILE]");
     printf("          N  T  contacts candid.  setup  us per step  ns per N  %% pair walls drift kick  build ns/N  in "
-           "steps\n");
+           "steps  core GHz before, after\n");
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
         for (int n = 0; n < n_counts; n++)
             for (int t = 0; t < n_threads; t++) {

@@ -79,3 +79,29 @@ enum status timing_take(timed_part *part, void *user, int blocks, int repeats, s
     *timing = (struct timing){us[0], us[blocks / 2], instructions < 0 ? -1 : instructions / blocks / repeats};
     return STATUS_OK;
 }
+
+/* One addition waits for the other, and each takes one cycle. */
+static double chain_ghz(void)
+{
+    enum { ADDITIONS = 200000 };
+    uint64_t x = 0;
+    double start = cpu_now_us();
+    for (int k = 0; k < ADDITIONS; k++)
+        __asm__ volatile("add $1, %0" : "+r"(x));
+    return 1e-3 * ADDITIONS / (cpu_now_us() - start);
+}
+
+double timing_core_ghz(void)
+{
+    double most = 0;
+    for (int k = 0; k < 5; k++) {
+        double ghz = chain_ghz();
+        most = ghz > most ? ghz : most;
+    }
+    return most;
+}
+
+void timing_core_print(double before_ghz, double after_ghz)
+{
+    printf("core: %.2f GHz before, %.2f GHz after (chain of additions)\n", before_ghz, after_ghz);
+}

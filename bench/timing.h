@@ -19,4 +19,11 @@ enum status timing_take(timed_part *part, void *user, int blocks, int repeats, s
 /* Whether this machine lets us count instructions; says so on stdout if not. */
 bool timing_counts_instructions(void);
 
+/* The clock of the core as a chain of additions sees it, one a cycle [GHz]: what to judge times by on a machine whose
+ * speed varies. The fastest of 5 chains of a tenth of a millisecond, so that a thread put to sleep does not count. */
+double timing_core_ghz(void);
+
+/* "core: ... GHz before, ... GHz after (chain of additions)" on stdout. */
+void timing_core_print(double before_ghz, double after_ghz);
+
 #endif

@@ -95,8 +95,9 @@ static void fill_slots(struct contact_list *list, const struct particles *p, con
     struct contact_slots *slots = &list->slots;
     for (int k = 0; k < list->count; k++) {
         const size_t s = list->slot[k] / 2;
-        const bool turned = wall || list->slot[k] % 2;
-        const int i = turned && !wall ? list->j[k] : list->i[k], j = turned ? list->i[k] : list->j[k];
+        const int32_t turned = wall || list->slot[k] % 2; /* no branch: it could not be predicted */
+        const int32_t both = list->i[k] ^ list->j[k], j = list->j[k] ^ (both & -turned);
+        const int32_t i = wall ? list->i[k] : both ^ j;
         slots->row[s] = stride * (uint32_t)j;
         if (list->single)
             fill_built(list, s, list->reach[k], p, i, j, wall);

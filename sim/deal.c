@@ -8,11 +8,10 @@
  * a hash table with two choices for each ("cuckoo hashing"): if the columns of both members are full, one takes the
  * pair and passes another of its pairs on to that one's other member, and so on. */
 struct column {
-    int32_t start, next; /* its first and its next free place in the table, SET_WIDTH apart */
-    int32_t room;        /* free places */
-    int32_t left;        /* pairs of the particle that are still to be dealt out */
-    int32_t seen;        /* by which search */
-    int32_t unused[3];   /* half a cache line */
+    int32_t next; /* the next free place in the table, SET_WIDTH behind the last one */
+    int32_t room; /* free places */
+    int32_t left; /* pairs of the particle that are still to be dealt out */
+    int32_t seen; /* by which search */
 };
 
 /* What a place holds. */
@@ -106,9 +105,14 @@ static void plan(struct table *t)
         t->start[b + 1] = t->start[b] + SET_WIDTH * (sets + SPARE_SETS);
         for (int l = 0; l < lanes; l++) {
             t->column[SET_WIDTH * b + l].room = sets;
-            t->column[SET_WIDTH * b + l].start = t->column[SET_WIDTH * b + l].next = t->start[b] + l;
+            t->column[SET_WIDTH * b + l].next = t->start[b] + l;
         }
     }
+}
+
+static int start_of(const struct table *t, int particle)
+{
+    return t->start[particle / SET_WIDTH] + particle % SET_WIDTH;
 }
 
 static void put(struct table *t, int owner, struct entry entry)
@@ -155,8 +159,8 @@ static void pass_on(struct table *t, int pair, int i, int j)
     t->visit[1].owner = j;
     t->column[i].seen = t->column[j].seen = ++t->n_searches;
     for (int v = 0; v < n; v++) {
-        const struct column *column = &t->column[t->visit[v].owner];
-        for (int at = column->start; at < column->next; at += SET_WIDTH) {
+        const int owner = t->visit[v].owner, end = t->column[owner].next;
+        for (int at = start_of(t, owner); at < end; at += SET_WIDTH) {
             const int other = t->entry[at].other;
             if (t->column[other].room > 0) {
                 pass_along(t, v, at, pair);
@@ -207,26 +211,31 @@ static void number_sets(struct table *t)
         int most = 0;
         for (int l = 0; l < lanes_of(t, b); l++) {
             const struct column *column = &t->column[SET_WIDTH * b + l];
-            int length = (column->next - column->start) / SET_WIDTH + column->left;
+            int length = (column->next - t->start[b]) / SET_WIDTH + column->left;
             most = length > most ? length : most;
         }
         t->first[b + 1] = t->first[b] + most;
     }
 }
 
+static void number_block(const struct table *t, int b, struct contact_list *list)
+{
+    const struct column *column = &t->column[SET_WIDTH * b];
+    const int lanes = lanes_of(t, b);
+    for (int at = t->start[b], set = t->first[b]; set < t->first[b + 1] && at < t->start[b + 1]; at += SET_WIDTH, set++)
+        for (int l = 0; l < lanes; l++)
+            if (at + l < column[l].next)
+                list->slot[t->entry[at + l].pair] = slot_of(set, SET_WIDTH * b + l, t->entry[at + l].other);
+}
+
 static void number_slots(const struct table *t, struct contact_list *list)
 {
     for (int b = 0; b < t->n_blocks; b++)
-        for (int l = 0; l < lanes_of(t, b); l++) {
-            const struct column *column = &t->column[SET_WIDTH * b + l];
-            int set = t->first[b];
-            for (int at = column->start; at < column->next; at += SET_WIDTH)
-                list->slot[t->entry[at].pair] = slot_of(set++, SET_WIDTH * b + l, t->entry[at].other);
-        }
+        number_block(t, b, list);
     for (int m = 0; m < t->n_over; m++) {
         const int k = t->over[m].pair, owner = t->over[m].other, b = owner / SET_WIDTH;
         struct column *column = &t->column[owner];
-        const int place = (column->next - column->start) / SET_WIDTH + --column->left;
+        const int place = (column->next - t->start[b]) / SET_WIDTH + --column->left;
         list->slot[k] = slot_of(t->first[b] + place, owner, list->i[k] + list->j[k] - owner);
     }
     list->n_sets = t->first[t->n_blocks];

@@ -122,7 +122,9 @@ static enum status close_after(struct neighbor *nb, struct contact_list *to, str
         uint64_t key = pair_key(to, k);
         while (old < from->count && pair_key(from, old) < key)
             old++;
-        nb->source[k] = old < from->count && pair_key(from, old) == key ? old : -1;
+        const bool known = old < from->count && pair_key(from, old) == key;
+        nb->source[k] = known ? old : -1;
+        old += known;
     }
     return carry_close(to, p, wall, from, nb->source, &nb->search);
 }

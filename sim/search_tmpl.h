@@ -161,12 +161,12 @@ static enum status SEARCH_NAME(pairs)(const struct cells *cells, double skin, st
         real *restrict to, const real *restrict from, const int32_t *restrict source, int count, const bool turns)     \
     {                                                                                                                  \
         for (int s = 0; s < count; s++) {                                                                              \
-            const int32_t at = source[s];                                                                              \
-            const real value = from[at < 0 ? 0 : at >> 1], there = turns && (at & 1) ? -value : value;                 \
-            to[s] = at < 0 ? 0 : there;                                                                                \
+            const int32_t there = ~(source[s] >> 31); /* all bits or none; no branch: it could not be predicted */     \
+            const real value = from[(source[s] >> 1) & there];                                                         \
+            to[s] = there ? (turns ? (real)(1 - 2 * (source[s] & 1)) * value : value) : 0;                             \
         }                                                                                                              \
     }                                                                                                                  \
-    static void SEARCH_NAME(carry_##real)(real *to, const real *from, const int32_t *source, int count, bool turns)    \
+    static void SEARCH_NAME(carry_##real)(real * to, const real *from, const int32_t *source, int count, bool turns)   \
     {                                                                                                                  \
         if (turns)                                                                                                     \
             SEARCH_NAME(carry_each_##real)(to, from, source, count, true);                                             \
@@ -185,4 +185,4 @@ static void SEARCH_NAME(add)(double *restrict to, const double *restrict value, 
 
 extern const struct search SEARCH_NAME(search);
 const struct search SEARCH_NAME(search) = {SEARCH_NAME(pairs), SEARCH_NAME(carry_double), SEARCH_NAME(carry_float),
-                                                 SEARCH_NAME(add)};
+                                           SEARCH_NAME(add)};
