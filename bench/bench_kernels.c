@@ -314,14 +314,13 @@ int main(int argc, char **argv)
     enum status status = command_line_parse(&line, argc, argv, own);
     if (status == STATUS_OK && line.n_positional > 0)
         status = status_fail(STATUS_USAGE, "usage: bench_kernels [--json FILE]");
-    const double before_ghz = timing_core_ghz();
+    const struct timing_core before = timing_core();
     if (status == STATUS_OK)
         status = measure_all(rows);
-    const double after_ghz = timing_core_ghz();
+    const struct timing_core after = timing_core();
     if (status == STATUS_OK)
-        timing_core_print(before_ghz, after_ghz);
-    json_t *all =
-        json_pack("{s:f, s:f, s:o}", "core_ghz_before", before_ghz, "core_ghz_after", after_ghz, "rows", rows);
+        timing_core_print(&before, &after);
+    json_t *all = json_pack("{s:o, s:o}", "core", timing_core_json(&before, &after), "rows", rows);
     if (status == STATUS_OK && json_path && json_dump_file(all, json_path, JSON_INDENT(1)) != 0)
         status = status_fail(STATUS_IO, "%s: cannot be written", json_path);
     json_decref(all);

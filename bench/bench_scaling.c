@@ -2,7 +2,8 @@
  * particle-step against the number of particles, dense packings with the radii and materials of scenes A (2D) and B
  * (3D). A packing is a jittered lattice at the solid fraction that gives the scene's number of contacts, relaxed for a
  * few hundred steps under strong damping. Particles get their places at random, as after long mixing; --ordered keeps
- * them in rows. Times are the least of several blocks; the clock of the core before and after stands beside them. */
+ * them in rows. Times are the least of several blocks; beside them stands what the core
+ * could do, the less of before and after (timing.h). */
 #include <inttypes.h>
 #include <jansson.h>
 #include <limits.h>
@@ -47,7 +48,7 @@ static const struct kind kinds[] = {
 
 struct row {
     int count, contacts, candidates, threads;
-    double before_ghz, after_ghz; /* of the core */
+    struct timing_core before, after;
     double setup_s, step_us, pair_us, walls_us, drift_us, kick_us, build_us, sum_us;
 };
 
@@ -190,9 +191,9 @@ static enum status measure_world(struct world *world, const struct kind *kind, b
     TRY(steps(world, 20));
     row->contacts = measure_contacts(world, NULL);
     row->candidates = world->pairs.count;
-    row->before_ghz = timing_core_ghz();
+    row->before = timing_core();
     TRY(time_parts(world, row));
-    row->after_ghz = timing_core_ghz();
+    row->after = timing_core();
     return STATUS_OK;
 }
 
@@ -221,17 +222,18 @@ static enum status measure_row(const struct kind *kind, int count, bool ordered,
 static json_t *report_row(const struct kind *kind, const struct row *row)
 {
     double n = row->count, parts = row->pair_us + row->walls_us + row->drift_us + row->kick_us;
-    printf("%dD %8d %2d %6.2f %6.2f %7.2f %11.1f %9.2f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f %5.2f %5.2f\n",
+    printf("%dD %8d %2d %6.2f %6.2f %7.2f %11.1f %9.2f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f %5.2f %4.1f\n",
            kind->dimension, row->count, row->threads, row->contacts / n, row->candidates / n, row->setup_s,
            row->step_us, 1e3 * row->step_us / n, 100 * row->pair_us / parts, 100 * row->walls_us / parts,
            100 * row->drift_us / parts, 100 * row->kick_us / parts, 1e3 * row->build_us / n,
-           row->build_us / row->step_us, row->before_ghz, row->after_ghz);
+           row->build_us / row->step_us, fmin(row->before.ghz, row->after.ghz),
+           fmin(row->before.additions_per_ns, row->after.additions_per_ns));
     fflush(stdout);
-    return json_pack("{s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "dimension",
-                     kind->dimension, "particles", row->count, "threads", row->threads, "contacts", row->contacts,
-                     "candidates", row->candidates, "setup_s", row->setup_s, "step_us", row->step_us, "pair_us",
-                     row->pair_us, "walls_us", row->walls_us, "drift_us", row->drift_us, "kick_us", row->kick_us,
-                     "build_us", row->build_us, "core_ghz_before", row->before_ghz, "core_ghz_after", row->after_ghz);
+    return json_pack("{s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "dimension", kind->dimension,
+                     "particles", row->count, "threads", row->threads, "contacts", row->contacts, "candidates",
+                     row->candidates, "setup_s", row->setup_s, "step_us", row->step_us, "pair_us", row->pair_us,
+                     "walls_us", row->walls_us, "drift_us", row->drift_us, "kick_us", row->kick_us, "build_us",
+                     row->build_us, "core", timing_core_json(&row->before, &row->after));
 }
 
 /* "a,b,..." into list; returns how many. */
@@ -259,7 +261,7 @@ static enum status bench_scaling(const struct options *options, json_t *rows)
         return status_fail(STATUS_USAGE, "usage: bench_scaling [--dimension 2|3] [--counts N,N,...] [--threads T,...] "
                                          "[--ordered] [--json FILE]");
     printf("          N  T  contacts candid.  setup  us per step  ns per N  %% pair walls drift kick  build ns/N  in "
-           "steps  core GHz before, after\n");
+           "steps   GHz add/ns\n");
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
         for (int n = 0; n < n_counts; n++)
             for (int t = 0; t < n_threads; t++) {

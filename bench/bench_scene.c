@@ -191,16 +191,16 @@ static enum status bench_scene(struct scene *scene, const char *json_path)
 {
     struct bench bench = {.rows = json_array()};
     bool counts = timing_counts_instructions();
-    const double before_ghz = timing_core_ghz();
+    const struct timing_core before = timing_core();
     printf("%-6s %-9s %-7s %9s %9s %7s\n", "", "kernels", "part", "least us", "median us", "of step");
     enum status status = measure_precision(&bench, scene, PRECISION_DOUBLE);
     if (status == STATUS_OK)
         status = measure_precision(&bench, scene, PRECISION_MIXED);
-    const double after_ghz = timing_core_ghz();
-    timing_core_print(before_ghz, after_ghz);
-    json_t *all = json_pack("{s:s, s:i, s:i, s:b, s:f, s:f, s:o}", "scene", scene->name, "particles",
-                            bench.n[PER_PARTICLE], "candidates", bench.n[PER_CONTACT], "instructions_counted", counts,
-                            "core_ghz_before", before_ghz, "core_ghz_after", after_ghz, "rows", bench.rows);
+    const struct timing_core after = timing_core();
+    timing_core_print(&before, &after);
+    json_t *all = json_pack("{s:s, s:i, s:i, s:b, s:o, s:o}", "scene", scene->name, "particles", bench.n[PER_PARTICLE],
+                            "candidates", bench.n[PER_CONTACT], "instructions_counted", counts, "core",
+                            timing_core_json(&before, &after), "rows", bench.rows);
     if (status == STATUS_OK && json_path && json_dump_file(all, json_path, JSON_INDENT(1)) != 0)
         status = status_fail(STATUS_IO, "%s: cannot be written", json_path);
     json_decref(all);

@@ -80,28 +80,52 @@ enum status timing_take(timed_part *part, void *user, int blocks, int repeats, s
     return STATUS_OK;
 }
 
-/* One addition waits for the other, and each takes one cycle. */
-static double chain_ghz(void)
+enum { ROUNDS = 5000, ADDITIONS = 32 };
+
+/* One addition waits for the other, and each takes one cycle. Not of a constant: that some cores add without waiting.
+ */
+static double chain_us(uint64_t one)
 {
-    enum { ADDITIONS = 200000 };
     uint64_t x = 0;
     double start = cpu_now_us();
-    for (int k = 0; k < ADDITIONS; k++)
-        __asm__ volatile("add $1, %0" : "+r"(x));
-    return 1e-3 * ADDITIONS / (cpu_now_us() - start);
+    for (int k = 0; k < ROUNDS; k++)
+        __asm__ volatile(".rept 32\n\tadd %1, %0\n\t.endr" : "+r"(x) : "r"(one));
+    return cpu_now_us() - start;
 }
 
-double timing_core_ghz(void)
+/* Eight chains side by side: as many additions at a time as the core has left. */
+static double side_by_side_us(uint64_t one)
 {
-    double most = 0;
-    for (int k = 0; k < 5; k++) {
-        double ghz = chain_ghz();
-        most = ghz > most ? ghz : most;
+    uint64_t x[8] = {0};
+    double start = cpu_now_us();
+    for (int k = 0; k < ROUNDS; k++)
+        __asm__ volatile(".rept 4\n\tadd %8, %0\n\tadd %8, %1\n\tadd %8, %2\n\tadd %8, %3\n\t"
+                         "add %8, %4\n\tadd %8, %5\n\tadd %8, %6\n\tadd %8, %7\n\t.endr"
+                         : "+r"(x[0]), "+r"(x[1]), "+r"(x[2]), "+r"(x[3]), "+r"(x[4]), "+r"(x[5]), "+r"(x[6]),
+                           "+r"(x[7])
+                         : "r"(one));
+    return cpu_now_us() - start;
+}
+
+struct timing_core timing_core(void)
+{
+    struct timing_core most = {0, 0};
+    for (int k = 0; k < 10; k++) {
+        double ghz = 1e-3 * ROUNDS * ADDITIONS / chain_us(1), per_ns = 1e-3 * ROUNDS * ADDITIONS / side_by_side_us(1);
+        most.ghz = ghz > most.ghz ? ghz : most.ghz;
+        most.additions_per_ns = per_ns > most.additions_per_ns ? per_ns : most.additions_per_ns;
     }
     return most;
 }
 
-void timing_core_print(double before_ghz, double after_ghz)
+void timing_core_print(const struct timing_core *before, const struct timing_core *after)
 {
-    printf("core: %.2f GHz before, %.2f GHz after (chain of additions)\n", before_ghz, after_ghz);
+    printf("core: %.2f GHz (chain of additions), %.1f additions per ns side by side; afterwards %.2f GHz, %.1f\n",
+           before->ghz, before->additions_per_ns, after->ghz, after->additions_per_ns);
+}
+
+json_t *timing_core_json(const struct timing_core *before, const struct timing_core *after)
+{
+    return json_pack("{s:[f, f], s:[f, f]}", "ghz", before->ghz, after->ghz, "additions_per_ns",
+                     before->additions_per_ns, after->additions_per_ns);
 }

@@ -2,6 +2,7 @@
 #ifndef SHAKEDOWN_BENCH_TIMING_H
 #define SHAKEDOWN_BENCH_TIMING_H
 
+#include <jansson.h>
 #include <stdbool.h>
 
 #include "common/status.h"
@@ -19,11 +20,16 @@ enum status timing_take(timed_part *part, void *user, int blocks, int repeats, s
 /* Whether this machine lets us count instructions; says so on stdout if not. */
 bool timing_counts_instructions(void);
 
-/* The clock of the core as a chain of additions sees it, one a cycle [GHz]: what to judge times by on a machine whose
- * speed varies. The fastest of 5 chains of a tenth of a millisecond, so that a thread put to sleep does not count. */
-double timing_core_ghz(void);
+/* What the core can do just now, to judge times by on a machine whose speed varies: its clock, from a chain of
+ * additions, one a cycle, and how many additions that wait for nothing it does, which neighbours on the same core take
+ * away. The most of 10 tries of some 0.1 ms each. */
+struct timing_core {
+    double ghz, additions_per_ns;
+};
+struct timing_core timing_core(void);
 
-/* "core: ... GHz before, ... GHz after (chain of additions)" on stdout. */
-void timing_core_print(double before_ghz, double after_ghz);
+/* Both before and after a measurement: a line on stdout, and {"ghz": [before, after], "additions_per_ns": [...]}. */
+void timing_core_print(const struct timing_core *before, const struct timing_core *after);
+json_t *timing_core_json(const struct timing_core *before, const struct timing_core *after);
 
 #endif
