@@ -51,8 +51,10 @@ enum status carry_close(struct contact_list *list, const struct particles *parti
         carry(list, to->sliding, before, from->sliding, false, search);
     for (int c = 0; c < list->n_springs; c++) {
         carry(list, to->spring[c], before, from->spring[c], turns, search);
-        if (list->single) /* in double there is none */
+        if (list->single)
             carry(list, to->rest[c], before, from->rest[c], turns, search);
+        else /* there is none, but its zeros are part of the state, with their signs */
+            memset(to->rest[c], 0, (size_t)list->n_sets * SET_WIDTH * sizeof(double));
     }
     return STATUS_OK;
 }

@@ -6,7 +6,7 @@
 
 #include "sim/memory.h"
 
-/* Up to this ratio of radii, one grid is faster than several (docs/performance.md). */
+/* Up to this ratio of radii all are in one grid: a cell as wide as the largest holds few of the smallest then. */
 static const double ONE_GRID_RATIO = 4;
 
 enum status cells_init(struct cells *cells, const struct particles *p)

@@ -212,7 +212,7 @@ static double farthest(const struct particles *p, const struct wall *walls, int 
 
 /* The skin s that costs least where it is used up at `speed` per step. A skin costs m1 s/a candidates per particle and
  * step, each as much as 1/r of building one particle's row, and s/(2 speed) steps pass from build to build: s^2 = 2 a
- * speed r/m1. m1 counts near neighbours in a dense packing. r and m1: docs/performance.md. */
+ * speed r/m1. m1 counts near neighbours in a dense packing. r and m1: docs/performance.md, skin. */
 static double best_skin(const struct neighbor *nb, const struct particles *p, double speed)
 {
     const double smallest = 0.01, largest = 1;
