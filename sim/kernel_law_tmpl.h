@@ -66,7 +66,7 @@ struct NAME(touch) {
     real n[DIM], pressing; /* force along n on j */
 #if FRICTIONAL
     real_mask active;
-    real pull[SPRINGS], pull2, power, factor;
+    real pull[SPRINGS], pull2, power, bound2, kinetic, factor;
     real moved[SPRINGS]; /* the spring half a step on if nothing slides; single: its change */
 #endif
 };
@@ -193,14 +193,21 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
     }
     touch->power = NAME(dot)(touch->pull, vt);
     touch->pull2 = NAME(dot)(touch->pull, touch->pull);
-    const real mu_d = real_all(law->mu_d);
     real_mask slid = real_greater(real_load(memory->sliding), zero);
-    real bound = limit * real_select(slid, mu_d, real_all(law->mu_s));
-    real_mask slides = real_greater(touch->pull2, bound * bound);
+    real bound = limit * real_select(slid, real_all(law->mu_d), real_all(law->mu_s));
+    touch->bound2 = bound * bound;
+    touch->kinetic = real_all(law->mu_d) * limit;
+}
+
+/* What a contact keeps of its test force. */
+LANES_INLINE void NAME(keep)(struct NAME(touch) * touch, const struct NAME(memory) * memory)
+{
+    const real one = real_all(1.0);
+    real_mask slides = real_greater(touch->pull2, touch->bound2);
     /* 1e-30 N^2 keeps the root finite */
-    real reduced = NAME(ratio)(mu_d * limit, real_larger(touch->pull2, real_all(1e-30)));
-    touch->factor = real_select(slides, reduced, real_all(1.0));
-    real_store(memory->sliding, real_where(real_and(slides, touch->active), real_all(1.0)));
+    real reduced = NAME(ratio)(touch->kinetic, real_larger(touch->pull2, real_all(1e-30)));
+    touch->factor = real_select(slides, reduced, one);
+    real_store(memory->sliding, real_where(real_and(slides, touch->active), one));
 }
 
 /* Springs, losses and forces of friction. A sliding spring slips by q pull, q = (1 - factor)/kt, so that the law holds

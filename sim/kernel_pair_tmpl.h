@@ -199,14 +199,26 @@ struct NAME(chunk) {
     struct NAME(contact_result) result[NAME(CHUNK)];
 };
 
-/* Both halves of the law for n sets from slot k on. */
+/* Both halves of the law for n sets from slot k on. Roots apart pay in the narrower of the vectors, whose chains are as
+ * long. */
 LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) * law,
                              const struct contact_slots *slots, size_t k, int n, struct NAME(sums) * sums)
 {
+    enum { APART = F64_LANES == 4 };
     for (int m = 0; m < n; m++) {
         struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
         chunk->touch[m] = NAME(touch)(law, &chunk->at[m], &memory, sums);
+#if FRICTIONAL
+        if (!APART)
+            NAME(keep)(&chunk->touch[m], &memory);
+#endif
     }
+#if FRICTIONAL
+    for (int m = 0; m < n && APART; m++) {
+        struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
+        NAME(keep)(&chunk->touch[m], &memory);
+    }
+#endif
     for (int m = 0; m < n; m++) {
         struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
         chunk->result[m] = NAME(force)(law, &chunk->touch[m], &memory, sums);
