@@ -181,7 +181,8 @@ static const struct key scene_keys[] = {
      "2: biaxial box in x, z (depth 1 m); 3: triaxial box"},
     {"seed", KEY_INT, OF(scene, seed), NULL, 0, 9e15, "1", NULL, NULL, "seed of radii, order and velocities"},
     {"precision", KEY_CHOICE, OF(scene, precision), NULL, 0, 0, "double", precision_names, NULL,
-     "of contacts: double; or mixed: overlaps from double to 1e-7 of themselves, all else in float, twice as fast"},
+     "of contacts; mixed: in float, from positions relative to where lists were built; forces off by 2e-7, faster. "
+     "State and ledger are double in either (docs/theory.md)"},
     {"gravity_m_per_s2", KEY_FLOATS, OF(scene, gravity_m_per_s2), "m/s^2", -1e6, 1e6, "", NULL, NULL,
      "[x, y, z]; empty: none"},
     {"checkpoint_interval_s", KEY_FLOAT, OF(scene, checkpoint_interval_s), "s", 0, INFINITY, "0", NULL, NULL,
