@@ -23,10 +23,20 @@ int particles_padding(const struct particles *p)
     return p->n_rows - 1;
 }
 
+int particles_own_padding(const struct particles *p, int k)
+{
+    return particles_padding(p) - k * ARRAY_PADDING;
+}
+
+static int paddings(const struct particles *p)
+{
+    return p->count < PARTICLES_LARGE_SAMPLE ? 1 : PARTICLES_PADDINGS;
+}
+
 static enum status records_init(struct particles *p)
 {
     const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->single);
-    p->n_rows = (p->count + ARRAY_PADDING - 1) / ARRAY_PADDING * ARRAY_PADDING + ARRAY_PADDING;
+    p->n_rows = (p->count + ARRAY_PADDING - 1) / ARRAY_PADDING * ARRAY_PADDING + paddings(p) * ARRAY_PADDING;
     TRY(array_resize(&p->record, stride * sizeof(double), (size_t)p->n_rows, 0));
     TRY(array_resize(&p->force, 1, particles_force_size(p), 0));
     for (int c = 0; p->single && c < p->dimension; c++) {
@@ -35,10 +45,10 @@ static enum status records_init(struct particles *p)
     }
     for (int c = 0; p->single && c < p->n_rotations; c++)
         TRY(array_resize(&p->view_omega[c], sizeof(float), (size_t)p->n_rows, 0));
-    if (!p->single) {
-        ((double *)p->record)[(size_t)particles_padding(p) * stride] = 1e9; /* its first coordinate [m] */
+    for (int k = 0; !p->single && k < paddings(p); k++)
+        ((double *)p->record)[(size_t)particles_own_padding(p, k) * stride] = 1e9; /* its first coordinate [m] */
+    if (!p->single)
         return STATUS_OK;
-    }
     TRY(array_resize(&p->view_radius, sizeof(float), (size_t)p->count, 0));
     particles_set_views(p, 0);
     return STATUS_OK;
@@ -73,21 +83,6 @@ size_t particles_force_size(const struct particles *p)
 {
     size_t columns = (size_t)(p->dimension + p->n_rotations) * (p->single ? sizeof(float) : sizeof(double));
     return PARTICLES_OWN_OFFSET(p->n_rows, p->dimension, frictional(p), p->single) + columns * (size_t)p->n_rows;
-}
-
-void particles_force_add(struct particles *p, const void *force, size_t from, size_t to)
-{
-    if (p->single) {
-        float *sum = p->force;
-        const float *added = force;
-        for (size_t k = from / sizeof *sum; k < to / sizeof *sum; k++)
-            sum[k] += added[k];
-    } else {
-        double *sum = p->force;
-        const double *added = force;
-        for (size_t k = from / sizeof *sum; k < to / sizeof *sum; k++)
-            sum[k] += added[k];
-    }
 }
 
 void particles_free(struct particles *p)

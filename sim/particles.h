@@ -27,7 +27,7 @@ struct particles {
     double *inv_inertia; /* 1/(2/5 m a^2); only with rotations */
     double *x_list[3];   /* positions at the last rebuild of the lists */
     bool single;         /* contacts in float (mixed precision) */
-    int n_rows;          /* of records and sums: whole vectors, and the padding particle behind them */
+    int n_rows;          /* of records and sums: whole vectors, and the padding particles behind them */
     void *record;        /* [n_rows][RECORD_STRIDE] what contacts need, side by side; made by drift */
     void *force;         /* sums of contact forces [N] and of moments n x f_t [N]: below; zeroed by kick */
     double quantum;      /* single: the unit of u [m] */
@@ -50,18 +50,20 @@ struct particles {
 #define PARTICLES_OWN_OFFSET(rows, dimension, frictional, single)                                                      \
     ((size_t)(rows)*ROW_BYTES(dimension, frictional, single))
 
-/* Index of the padding particle, far from everything, that fills up sets of contacts. */
+/* Samples from here on are large: they are cut for threads (threads.h). */
+enum { PARTICLES_LARGE_SAMPLE = 10000, PARTICLES_PADDINGS = 32 };
+
+/* Index of the padding particle, far from everything, that fills up sets of contacts. Large samples have
+ * PARTICLES_PADDINGS of them, the k-th the k-th, and no two in one line of memory. */
 int particles_padding(const struct particles *particles);
+int particles_own_padding(const struct particles *particles, int k);
 
 /* Allocates `count` zeroed particles. Errors: STATUS_NO_MEMORY. */
 enum status particles_init(struct particles *particles, int count, int dimension, bool rotations, bool single) MUST_USE;
 void particles_free(struct particles *particles);
 
-/* Sums like particles->force, for a range of pairs that another thread does: their size [B] (to be allocated aligned to
- * ARRAY_ALIGNMENT and zeroed), and adding bytes from ... to - 1 of them up. A range that does not end with the array
- * must be whole cache lines. */
+/* Size of particles->force [B]. */
 size_t particles_force_size(const struct particles *particles);
-void particles_force_add(struct particles *particles, const void *force, size_t from, size_t to);
 
 /* Mass of a sphere [LH, D], also in 2D, and the moment of inertia (2/5) m a^2, from radius and density. */
 void particles_set_mass(struct particles *particles, double density_kg_per_m3);

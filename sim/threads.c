@@ -6,63 +6,38 @@
 
 #include "sim/memory.h"
 
-/* Samples from here on are cut (docs/performance.md); a piece should be worth a few times the waking of a thread. */
-enum { SMALLEST_SAMPLE = 10000, PARTICLES_PER_PIECE = 2500, PIECES_MAX = 32 };
+/* Samples from here on are cut (docs/performance.md); a part should be worth a few times the waking of a thread. */
+enum { PARTICLES_PER_PART = 2500, PARTS_MAX = 32 };
+
+/* Pieces of the pairs: powers of two, so that each is two of the next number. */
+enum { PIECES_LEAST = 4, PIECES_MAX = PARTICLES_PADDINGS };
 
 /* Whole vectors and whole cache lines of every array. */
 enum { ROWS_ALIGNMENT = 16 };
 
-/* Of a row of sums, and of one value. */
-static size_t row_bytes(const struct particles *p)
-{
-    return (size_t)ROW_BYTES(p->dimension, p->n_rotations > 0, p->single);
-}
-
-static size_t value_bytes(const struct particles *p)
-{
-    return p->single ? sizeof(float) : sizeof(double);
-}
-
 static enum status no_memory(void)
 {
-    return status_fail(STATUS_NO_MEMORY, "no memory for the sums of the threads");
-}
-
-/* Zeroed pages that cost nothing until they are touched. */
-static enum status piece_init(struct threads_piece *piece, const struct particles *p)
-{
-    piece->memory = calloc(particles_force_size(p) + ARRAY_ALIGNMENT, 1);
-    if (!piece->memory)
-        return no_memory();
-    size_t past = (uintptr_t)piece->memory % ARRAY_ALIGNMENT;
-    piece->force = (char *)piece->memory + (past ? ARRAY_ALIGNMENT - past : 0);
-    return STATUS_OK;
+    return status_fail(STATUS_NO_MEMORY, "no memory for the pieces of the threads");
 }
 
 enum status threads_init(struct threads *threads, const struct particles *p, int64_t wanted)
 {
-    *threads = (struct threads){.n = 1, .n_pieces = 1};
-    if (p->count < SMALLEST_SAMPLE)
+    *threads = (struct threads){.n = 1, .n_parts = 1, .n_cuts = 1};
+    if (p->count < PARTICLES_LARGE_SAMPLE)
         return STATUS_OK;
-    threads->n_pieces = p->count / PARTICLES_PER_PIECE < PIECES_MAX ? p->count / PARTICLES_PER_PIECE : PIECES_MAX;
+    threads->n_parts = p->count / PARTICLES_PER_PART < PARTS_MAX ? p->count / PARTICLES_PER_PART : PARTS_MAX;
     int n = wanted > 0 ? (int)wanted : omp_get_num_procs();
-    threads->n = n < threads->n_pieces ? n : threads->n_pieces;
+    threads->n = n < threads->n_parts ? n : threads->n_parts;
 #ifdef __SANITIZE_THREAD__
     threads->n = 1; /* the sanitizer does not see the barriers of OpenMP's library */
 #endif
-    threads->piece = calloc((size_t)threads->n_pieces, sizeof *threads->piece);
-    threads->power = calloc((size_t)threads->n_pieces, sizeof *threads->power);
-    if (!threads->piece || !threads->power)
-        return no_memory();
-    for (int k = 0; k < threads->n_pieces; k++)
-        TRY(piece_init(&threads->piece[k], p));
-    return STATUS_OK;
+    threads->piece = calloc(PIECES_MAX, sizeof *threads->piece);
+    threads->power = calloc((size_t)threads->n_parts, sizeof *threads->power);
+    return threads->piece && threads->power ? STATUS_OK : no_memory();
 }
 
 void threads_free(struct threads *threads)
 {
-    for (int k = 0; threads->piece && k < threads->n_pieces; k++)
-        free(threads->piece[k].memory);
     free(threads->piece);
     free(threads->power);
     memset(threads, 0, sizeof *threads);
@@ -74,85 +49,91 @@ static int part_start(int k, int n, int total)
     return k == n ? total : (int)((int64_t)total * k / n / ROWS_ALIGNMENT * ROWS_ALIGNMENT);
 }
 
-/* Particles that the sets first ... last - 1 add to: [*lo, *hi]; the padding particle does not count. */
-static void touched(const struct particles *p, const struct contact_list *pairs, int first, int last, int *lo, int *hi)
+/* The rows that the k-th piece adds to, but for its padding particle, which is made its own: cores that share a line
+ * of memory wait for each other. */
+static void take_piece(struct threads_piece *piece, int k, const struct particles *p, struct contact_list *pairs)
 {
     const uint32_t stride = RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->single);
-    const int padding = particles_padding(p);
-    *lo = p->count;
-    *hi = 0;
-    for (int set = first; set < last; set++) {
+    const uint32_t padding = stride * (uint32_t)particles_padding(p), own = stride * (uint32_t)particles_own_padding(p, k);
+    uint32_t lo = UINT32_MAX, hi = 0;
+    uint32_t *row = pairs->slots.row;
+    for (int s = piece->first_set * SET_WIDTH; s < piece->last_set * SET_WIDTH; s++) {
+        const bool empty = row[s] == padding;
+        lo = row[s] < lo ? row[s] : lo;
+        hi = !empty && row[s] > hi ? row[s] : hi;
+        row[s] = empty ? own : row[s];
+    }
+    piece->lo = (int)(lo / stride);
+    piece->hi = (int)(hi / stride);
+    for (int set = piece->first_set; set < piece->last_set; set++) {
         int i = (int)pairs->slots.first[set];
-        *lo = i < *lo ? i : *lo;
-        *hi = i + SET_WIDTH - 1 > *hi ? i + SET_WIDTH - 1 : *hi;
-        for (int k = set * SET_WIDTH; k < (set + 1) * SET_WIDTH; k++) {
-            int j = (int)(pairs->slots.row[k] / stride);
-            *lo = j < *lo ? j : *lo;
-            *hi = j > *hi && j != padding ? j : *hi;
-        }
+        piece->lo = i < piece->lo ? i : piece->lo;
+        piece->hi = i + SET_WIDTH - 1 > piece->hi ? i + SET_WIDTH - 1 : piece->hi;
     }
 }
 
-void threads_cut(struct threads *threads, const struct particles *p, const struct contact_list *pairs)
+/* Whether pieces that are at work at the same time have nothing in common; and how often the rows would be read, which
+ * is more than once where pieces meet [rows]. */
+static bool are_apart(const struct threads *threads, int n, int64_t *rows)
 {
-    const int n = threads->n_pieces;
-    for (int k = 0; n > 1 && k < n; k++) {
+    bool apart = true;
+    *rows = 0;
+    for (int k = 0; k < n; k++) {
+        const struct threads_piece *piece = &threads->piece[k];
+        *rows += piece->hi - piece->lo + 1;
+        for (int m = k + 2; m < n; m += 2)
+            apart = apart && piece->hi < threads->piece[m].lo;
+    }
+    return apart;
+}
+
+/* Two pieces become one. */
+static void join_pieces(struct threads *threads, int n)
+{
+    for (int k = 0; k < n / 2; k++) {
+        const struct threads_piece a = threads->piece[2 * k], b = threads->piece[2 * k + 1];
+        threads->piece[k] = (struct threads_piece){.first_set = a.first_set,
+                                                   .last_set = b.last_set,
+                                                   .lo = a.lo < b.lo ? a.lo : b.lo,
+                                                   .hi = a.hi > b.hi ? a.hi : b.hi};
+    }
+}
+
+/* As many pieces as are apart and add no more than half to the rows read; but at least a few. */
+void threads_cut(struct threads *threads, const struct particles *p, struct contact_list *pairs)
+{
+    int n = PIECES_MAX;
+    int64_t rows;
+    threads->n_cuts = 1;
+    if (threads->n_parts == 1 || pairs->n_sets < PIECES_MAX)
+        return;
+    for (int k = 0; k < n; k++) {
         struct threads_piece *piece = &threads->piece[k];
-        int lo, hi;
         piece->first_set = (int)((int64_t)pairs->n_sets * k / n);
         piece->last_set = (int)((int64_t)pairs->n_sets * (k + 1) / n);
-        touched(p, pairs, piece->first_set, piece->last_set, &lo, &hi);
-        piece->first_row = lo / ROWS_ALIGNMENT * ROWS_ALIGNMENT;
-        hi = (hi / ROWS_ALIGNMENT + 1) * ROWS_ALIGNMENT;
-        piece->last_row = hi < particles_padding(p) ? hi : particles_padding(p);
+        take_piece(piece, k, p, pairs);
     }
-}
-
-/* Adds bytes from ... to - 1 of the piece's sums to the particles', and zeroes them. */
-static void take_bytes(const struct threads_piece *piece, struct particles *p, size_t from, size_t to)
-{
-    particles_force_add(p, piece->force, from, to);
-    memset((char *)piece->force + from, 0, to - from);
-}
-
-/* Sums of the pieces over particles first ... last - 1, rows and columns, in the order of the pieces. */
-static void sum_rows(const struct threads *threads, struct particles *p, int first, int last)
-{
-    const size_t row = row_bytes(p), value = value_bytes(p), column = value * (size_t)p->n_rows;
-    const size_t columns = PARTICLES_OWN_OFFSET(p->n_rows, p->dimension, p->n_rotations > 0, p->single);
-    for (int k = 0; k < threads->n_pieces; k++) {
-        const struct threads_piece *piece = &threads->piece[k];
-        size_t from = (size_t)(first > piece->first_row ? first : piece->first_row);
-        size_t to = (size_t)(last < piece->last_row ? last : piece->last_row);
-        if (from >= to)
-            continue;
-        take_bytes(piece, p, from * row, to * row);
-        for (int c = 0; c < p->dimension + p->n_rotations; c++)
-            take_bytes(piece, p, columns + (size_t)c * column + from * value,
-                       columns + (size_t)c * column + to * value);
-    }
+    for (; n > PIECES_LEAST && !(are_apart(threads, n, &rows) && rows < 3 * (int64_t)p->count / 2); n /= 2)
+        join_pieces(threads, n);
+    threads->n_cuts = are_apart(threads, n, &rows) ? n : 1;
 }
 
 void threads_pair(struct threads *threads, const struct kernels *kernels, struct particles *p,
                   struct contact_list *pairs, const struct contact_law_constants *law, struct contact_losses *losses)
 {
-    const int n = threads->n_pieces;
+    const int n = threads->n_cuts;
     if (n == 1) {
         kernels->pair(p, pairs, 0, pairs->n_sets, law, p->force, losses);
         return;
     }
 #pragma omp parallel num_threads(threads->n)
-    {
+    for (int turn = 0; turn < 2; turn++) {
 #pragma omp for schedule(dynamic, 1)
-        for (int k = 0; k < n; k++) {
+        for (int k = turn; k < n; k += 2) {
             struct threads_piece *piece = &threads->piece[k];
             piece->losses = (struct contact_losses){0};
-            kernels->pair(p, pairs, piece->first_set, piece->last_set, law, piece->force, &piece->losses);
+            kernels->pair(p, pairs, piece->first_set, piece->last_set, law, p->force, &piece->losses);
         }
-#pragma omp for schedule(static)
-        for (int k = 0; k < n; k++)
-            sum_rows(threads, p, part_start(k, n, p->count),
-                     k + 1 == n ? particles_padding(p) : part_start(k + 1, n, p->count));
     }
     for (int k = 0; k < n; k++)
         contact_losses_add(losses, &threads->piece[k].losses);
@@ -162,15 +143,15 @@ void threads_pair(struct threads *threads, const struct kernels *kernels, struct
 static struct particles part_of(const struct threads *threads, const struct particles *p, int k)
 {
     struct particles part = *p;
-    part.from = part_start(k, threads->n_pieces, p->count);
-    part.count = part_start(k + 1, threads->n_pieces, p->count);
+    part.from = part_start(k, threads->n_parts, p->count);
+    part.count = part_start(k + 1, threads->n_parts, p->count);
     return part;
 }
 
 bool threads_drift(const struct threads *threads, const struct kernels *kernels, struct particles *p, double dt_s,
                    double reach_m)
 {
-    const int n = threads->n_pieces;
+    const int n = threads->n_parts;
     if (n == 1)
         return kernels->drift(p, dt_s, reach_m);
     bool far = false;
@@ -185,7 +166,7 @@ bool threads_drift(const struct threads *threads, const struct kernels *kernels,
 static double sum_power(const struct threads *threads)
 {
     double sum = 0;
-    for (int k = 0; k < threads->n_pieces; k++)
+    for (int k = 0; k < threads->n_parts; k++)
         sum += threads->power[k];
     return sum;
 }
@@ -193,7 +174,7 @@ static double sum_power(const struct threads *threads)
 double threads_kick(const struct threads *threads, const struct kernels *kernels, struct particles *p,
                     const struct kick_constants *constants)
 {
-    const int n = threads->n_pieces;
+    const int n = threads->n_parts;
     if (n == 1)
         return kernels->kick(p, constants);
 #pragma omp parallel for schedule(static) num_threads(threads->n)
@@ -207,7 +188,7 @@ double threads_kick(const struct threads *threads, const struct kernels *kernels
 bool threads_advance(const struct threads *threads, const struct kernels *kernels, struct particles *p,
                      const struct kick_constants *constants, double dt_s, double reach_m, double *background_w)
 {
-    const int n = threads->n_pieces;
+    const int n = threads->n_parts;
     if (n == 1)
         return kernels->advance(p, constants, dt_s, reach_m, background_w);
     bool far = false;

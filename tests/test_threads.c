@@ -54,7 +54,7 @@ static void any_number_gives_the_same_bits(void **state)
         struct fixture one = crowd(dimension, LARGE, 1, precision);
         fixture_steps(&one, STEPS);
         assert_int_equal(one.world->threads.n, 1);
-        assert_true(one.world->threads.n_pieces > 1 && one.world->pairs.count > LARGE);
+        assert_true(one.world->threads.n_cuts > 1 && one.world->pairs.count > LARGE);
         assert_true(one.world->neighbor.rebuilds > 4);
         for (int threads = 2; threads <= 4; threads++) {
             struct fixture many = crowd(dimension, LARGE, threads, precision);
@@ -79,7 +79,7 @@ static void pieces_add_up(void **state)
         struct fixture pieces = crowd(dimension, LARGE, 2, "double"), whole = crowd(dimension, LARGE, 1, "double");
         const struct particles *a = &pieces.world->particles, *b = &whole.world->particles;
         double worst = 0;
-        whole.world->threads.n_pieces = 1;
+        whole.world->threads.n_parts = 1;
         fixture_steps(&pieces, STEPS);
         fixture_steps(&whole, STEPS);
         for (int i = 0; i < a->count; i++)
@@ -89,7 +89,7 @@ static void pieces_add_up(void **state)
         assert_close("largest difference", worst, 0, 1e-12);
         assert_close("work of the background", pieces.world->ledger.background, whole.world->ledger.background,
                      1e-12 * whole.world->ledger.background);
-        whole.world->threads.n_pieces = pieces.world->threads.n_pieces; /* to be freed */
+        whole.world->threads.n_parts = pieces.world->threads.n_parts; /* to be freed */
         fixture_close(&pieces);
         fixture_close(&whole);
     }
@@ -100,7 +100,7 @@ static void small_samples_are_left_alone(void **state)
     (void)state;
     struct fixture f = crowd(2, SMALL, 4, "double");
     assert_int_equal(f.world->threads.n, 1);
-    assert_int_equal(f.world->threads.n_pieces, 1);
+    assert_int_equal(f.world->threads.n_parts, 1);
     fixture_close(&f);
 }
 
