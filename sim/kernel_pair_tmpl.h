@@ -231,6 +231,19 @@ LANES_INLINE int NAME(chunk_size)(size_t k, size_t end)
     return end - k < NAME(CHUNK) * LANES ? (int)((end - k) / LANES) : NAME(CHUNK);
 }
 
+/* Large samples: records and sums of the particles j are asked for a chunk ahead, which no prefetcher sees coming. */
+LANES_INLINE void NAME(ask)(const struct particles *p, const void *force, const uint32_t *row)
+{
+    enum { RECORD = 8 * RECORD_STRIDE(DIM, FRICTIONAL, SINGLE), SUMS = ROW_BYTES(DIM, FRICTIONAL, SINGLE) };
+    for (int l = 0; l < LANES; l++) {
+        const char *record = (const char *)p->record + 8 * (size_t)row[l];
+        __builtin_prefetch(record);
+        if (RECORD > 64)
+            __builtin_prefetch(record + 64);
+        __builtin_prefetch((const char *)force + (size_t)row[l] * SUMS / (RECORD / 8), 1);
+    }
+}
+
 static void NAME(pair)(const struct particles *p, struct contact_list *pairs, int first, int last,
                        const struct contact_law_constants *constants, void *force, struct contact_losses *losses)
 {
@@ -240,11 +253,15 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
     const scalar quantum = (scalar)p->quantum;
     const size_t start = (size_t)first * SET_WIDTH, end = (size_t)last * SET_WIDTH;
     const int rows = p->n_rows;
+    const bool large = p->count >= PARTICLES_LARGE_SAMPLE;
     scalar *own = (scalar *)((char *)force + PARTICLES_OWN_OFFSET(rows, DIM, FRICTIONAL, SINGLE));
     struct NAME(sums) sums = {0};
     struct NAME(chunk) chunk;
     for (size_t k = start; k < end; k += NAME(CHUNK) * LANES) {
         const int n = NAME(chunk_size)(k, end);
+        for (size_t next = k + NAME(CHUNK) * LANES; large && next < end && next < k + 2 * NAME(CHUNK) * LANES;
+             next += LANES)
+            NAME(ask)(p, force, slots.row + next);
         for (int m = 0; m < n; m++)
             chunk.at[m] = NAME(meet)(p, &slots, quantum, k + (size_t)m * LANES);
         NAME(laws)(&chunk, &law, &slots, k, n, &sums);

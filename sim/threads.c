@@ -54,7 +54,8 @@ static int part_start(int k, int n, int total)
 static void take_piece(struct threads_piece *piece, int k, const struct particles *p, struct contact_list *pairs)
 {
     const uint32_t stride = RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->single);
-    const uint32_t padding = stride * (uint32_t)particles_padding(p), own = stride * (uint32_t)particles_own_padding(p, k);
+    const uint32_t padding = stride * (uint32_t)particles_padding(p),
+                   own = stride * (uint32_t)particles_own_padding(p, k);
     uint32_t lo = UINT32_MAX, hi = 0;
     uint32_t *row = pairs->slots.row;
     for (int s = piece->first_set * SET_WIDTH; s < piece->last_set * SET_WIDTH; s++) {

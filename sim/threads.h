@@ -1,6 +1,6 @@
 /* Large samples on several threads, with the same bits for any number of them: pairs and particles are cut into pieces
- * that depend on the sample alone. Pieces of the pairs follow each other in space, and the even ones come before the odd
- * ones, so that those at work at the same time have no particle in common. */
+ * that depend on the sample alone. Pieces of the pairs follow each other in space, and the even ones come before the
+ * odd ones, so that those at work at the same time have no particle in common. */
 #ifndef SHAKEDOWN_SIM_THREADS_H
 #define SHAKEDOWN_SIM_THREADS_H
 
@@ -14,9 +14,9 @@ struct threads_piece {
 };
 
 struct threads {
-    int n;       /* threads */
-    int n_parts; /* of the particles; 1: a small sample, in one go */
-    int n_cuts;  /* of the pairs; 1: in one go, as particles in no order in space are */
+    int n;                       /* threads */
+    int n_parts;                 /* of the particles; 1: a small sample, in one go */
+    int n_cuts;                  /* of the pairs; 1: in one go, as particles in no order in space are */
     struct threads_piece *piece; /* [PIECES_MAX] */
     double *power;               /* [n_parts] of the background, part by part */
 };
