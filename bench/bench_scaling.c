@@ -1,9 +1,9 @@
-/* bench_scaling [--dimension 2|3] [--counts N,N,...] [--threads T,T,...] [--ordered] [--json FILE]: cost of a
- * particle-step against the number of particles, dense packings with the radii and materials of scenes A (2D) and B
- * (3D). A packing is a jittered lattice at the solid fraction that gives the scene's number of contacts, relaxed for a
- * few hundred steps under strong damping. Particles get their places at random, as after long mixing; --ordered keeps
- * them in rows. Times are the least of several blocks; beside them stands what the core
- * could do, the less of before and after (timing.h). */
+/* bench_scaling [--dimension 2|3] [--precision double|mixed] [--counts N,N,...] [--threads T,T,...] [--ordered]
+ * [--json FILE]: cost of a particle-step against the number of particles, dense packings with the radii and materials
+ * of scenes A (2D) and B (3D). A packing is a jittered lattice at the solid fraction that gives the scene's number of
+ * contacts, relaxed for a few hundred steps under strong damping. Particles get their places at random, as after long
+ * mixing; --ordered keeps them in rows. Times are the least of several blocks; beside them stands what the core could
+ * do, the less of before and after (timing.h). */
 #include <inttypes.h>
 #include <jansson.h>
 #include <limits.h>
@@ -26,19 +26,21 @@ static const double BLOCK_S = 0.12;
 struct kind {
     int dimension;
     double solid_fraction, jitter; /* of the spacing */
-    const char *text;              /* of the scene behind threads and count */
+    const char *text;              /* of the scene behind threads, precision and count */
 };
 
 static const struct kind kinds[] = {
     {2, 0.90, 0.1,
-     "dimension = 2; threads = %d;\nsample = { count = %d; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; "
+     "dimension = 2; threads = %d; precision = \"%s\";\nsample = { count = %d; radius_min_m = 0.5e-3; radius_max_m = "
+     "1.5e-3; "
      "density_kg_per_m3 = 2000.0; "
      "};\n"
      "material = { law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; gamma_n_kg_per_s = 0.1; };\n"
      "stages = ( { name = \"relax\"; dt_s = 1e-6; duration_s = 1.0; material = { gamma_b_kg_per_s = 0.5; }; },\n"
      "  { name = \"test\"; dt_s = 5e-7; duration_s = 1.0; material = { gamma_b_kg_per_s = 0.01; }; } );\n"},
     {3, 0.645, 0.1,
-     "dimension = 3; threads = %d;\nsample = { count = %d; radius_distribution = \"gaussian\"; radius_mean_m = 5e-3;\n"
+     "dimension = 3; threads = %d; precision = \"%s\";\nsample = { count = %d; radius_distribution = \"gaussian\"; "
+     "radius_mean_m = 5e-3;\n"
      "  radius_sd_m = 0.7e-3; radius_min_m = 3e-3; radius_max_m = 7e-3; density_kg_per_m3 = 2000.0; };\n"
      "material = { kn_n_per_m = 5000.0; gamma_n_kg_per_s = 0.05; mu_s = 0.1; kt_n_per_m = 1000.0;\n"
      "  gamma_t_kg_per_s = 0.01; gamma_br_kg_per_s = 0.05; };\n"
@@ -46,8 +48,12 @@ static const struct kind kinds[] = {
      "}; },\n"
      "  { name = \"test\"; dt_s = 2e-5; duration_s = 10.0; material = { gamma_b_kg_per_s = 0.2; }; } );\n"}};
 
+static const char *const precisions[] = {"double", "mixed"};
+
 struct row {
+    const char *precision;
     int count, contacts, candidates, threads;
+    double bytes_mb, stream_us; /* that a step moves, and as long as it takes to move as many in order */
     struct timing_core before, after;
     double setup_s, step_us, pair_us, walls_us, drift_us, kick_us, build_us, sum_us;
 };
@@ -177,7 +183,25 @@ static enum status time_parts(struct world *world, struct row *row)
     TRY(time_it(world, one_walls, &row->walls_us));
     TRY(time_it(world, one_drift, &row->drift_us));
     TRY(time_it(world, one_kick, &row->kick_us));
-    return time_it(world, one_build, &row->build_us);
+    TRY(time_it(world, one_build, &row->build_us));
+    row->stream_us = 1e3 * row->bytes_mb / timing_stream_gb_per_s(1e6 * row->bytes_mb / 2);
+    return STATUS_OK;
+}
+
+/* Bytes read and written in a step, walls left aside, if what the parts hand over does not stay in a cache: pairs read
+ * row, reach (single: and where it was built) and history of each slot, records and columns, and add to the sums;
+ * advance reads and writes the sums, x, v, a and rotations, reads x_list and constants and writes the records. */
+static double bytes_moved(const struct world *world)
+{
+    const struct particles *p = &world->particles;
+    const int d = p->dimension, s = p->n_rotations, real = p->single ? 4 : 8;
+    const int record = 8 * RECORD_STRIDE(d, s > 0, p->single), sums = ROW_BYTES(d, s > 0, p->single) + (d + s) * real;
+    const int history = ((s && p->single ? 2 * s : s) + (s > 0) + world->pairs.hysteretic) * real;
+    const int slot = 4 + real + (p->single ? (d + 1) * real : 0) + 2 * history;
+    const int views = (d + d + s) * real, radius = s ? real : 0;
+    const int pair = record + views + radius + 2 * sums;
+    const int advance = 2 * sums + 8 * (2 * 3 * d + d + 1 + 2 * 2 * s + (s ? 2 : 0)) + record + (p->single ? views : 0);
+    return (double)slot * SET_WIDTH * world->pairs.n_sets + (double)(pair + advance) * p->count;
 }
 
 static enum status measure_world(struct world *world, const struct kind *kind, bool ordered, struct row *row)
@@ -191,6 +215,7 @@ static enum status measure_world(struct world *world, const struct kind *kind, b
     TRY(steps(world, 20));
     row->contacts = measure_contacts(world, NULL);
     row->candidates = world->pairs.count;
+    row->bytes_mb = 1e-6 * bytes_moved(world);
     row->before = timing_core();
     TRY(time_parts(world, row));
     row->after = timing_core();
@@ -204,7 +229,7 @@ static enum status measure_row(const struct kind *kind, int count, bool ordered,
     struct scene *scene = calloc(1, sizeof *scene);
     if (!scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    snprintf(text, sizeof text, kind->text, row->threads, count);
+    snprintf(text, sizeof text, kind->text, row->threads, row->precision, count);
     double start = clock_now_s();
     enum status status = scene_parse(scene, text, "scaling");
     if (status == STATUS_OK)
@@ -222,18 +247,20 @@ static enum status measure_row(const struct kind *kind, int count, bool ordered,
 static json_t *report_row(const struct kind *kind, const struct row *row)
 {
     double n = row->count, parts = row->pair_us + row->walls_us + row->drift_us + row->kick_us;
-    printf("%dD %8d %2d %6.2f %6.2f %7.2f %11.1f %9.2f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f %5.2f %4.1f\n",
-           kind->dimension, row->count, row->threads, row->contacts / n, row->candidates / n, row->setup_s,
-           row->step_us, 1e3 * row->step_us / n, 100 * row->pair_us / parts, 100 * row->walls_us / parts,
-           100 * row->drift_us / parts, 100 * row->kick_us / parts, 1e3 * row->build_us / n,
-           row->build_us / row->step_us, fmin(row->before.ghz, row->after.ghz),
-           fmin(row->before.additions_per_ns, row->after.additions_per_ns));
+    printf("%dD %8d %2d %6s %6.2f %6.2f %7.2f %11.1f %9.2f %6.0f %7.1f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f %5.2f "
+           "%4.1f\n",
+           kind->dimension, row->count, row->threads, row->precision, row->contacts / n, row->candidates / n,
+           row->setup_s, row->step_us, 1e3 * row->step_us / n, 1e6 * row->bytes_mb / n, 1e3 * row->stream_us / n,
+           100 * row->pair_us / parts, 100 * row->walls_us / parts, 100 * row->drift_us / parts,
+           100 * row->kick_us / parts, 1e3 * row->build_us / n, row->build_us / row->step_us,
+           fmin(row->before.ghz, row->after.ghz), fmin(row->before.additions_per_ns, row->after.additions_per_ns));
     fflush(stdout);
-    return json_pack("{s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "dimension", kind->dimension,
-                     "particles", row->count, "threads", row->threads, "contacts", row->contacts, "candidates",
-                     row->candidates, "setup_s", row->setup_s, "step_us", row->step_us, "pair_us", row->pair_us,
-                     "walls_us", row->walls_us, "drift_us", row->drift_us, "kick_us", row->kick_us, "build_us",
-                     row->build_us, "core", timing_core_json(&row->before, &row->after));
+    return json_pack("{s:i, s:s, s:f, s:f, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "dimension",
+                     kind->dimension, "precision", row->precision, "bytes_mb", row->bytes_mb, "stream_us",
+                     row->stream_us, "particles", row->count, "threads", row->threads, "contacts", row->contacts,
+                     "candidates", row->candidates, "setup_s", row->setup_s, "step_us", row->step_us, "pair_us",
+                     row->pair_us, "walls_us", row->walls_us, "drift_us", row->drift_us, "kick_us", row->kick_us,
+                     "build_us", row->build_us, "core", timing_core_json(&row->before, &row->after));
 }
 
 /* "a,b,..." into list; returns how many. */
@@ -249,38 +276,57 @@ static int parse_list(const char *text, int *list)
 }
 
 struct options {
-    const char *dimension, *counts, *threads, *json;
+    const char *dimension, *precision, *counts, *threads, *json;
     bool ordered;
 };
 
-static enum status bench_scaling(const struct options *options, json_t *rows)
+/* Whether an option that is not given, or the one value that it has, lets this through. */
+static bool wanted(const char *option, const char *value)
+{
+    return !option || strcmp(option, value) == 0;
+}
+
+/* Counts and threads of one dimension and precision. */
+static enum status bench_kind(const struct kind *kind, const char *precision, const struct options *options,
+                              json_t *rows)
 {
     int count[LIST_MAX], threads[LIST_MAX];
     const int n_counts = parse_list(options->counts, count), n_threads = parse_list(options->threads, threads);
     if (n_counts == 0 || n_threads == 0)
-        return status_fail(STATUS_USAGE, "usage: bench_scaling [--dimension 2|3] [--counts N,N,...] [--threads T,...] "
-                                         "[--ordered] [--json FILE]");
-    printf("          N  T  contacts candid.  setup  us per step  ns per N  %% pair walls drift kick  build ns/N  in "
-           "steps   GHz add/ns\n");
+        return status_fail(STATUS_USAGE,
+                           "usage: bench_scaling [--dimension 2|3] [--precision double|mixed] [--counts N,N,...] "
+                           "[--threads T,...] [--ordered] [--json FILE]");
+    for (int n = 0; n < n_counts; n++)
+        for (int t = 0; t < n_threads; t++) {
+            struct row row = {.precision = precision, .count = count[n], .threads = threads[t]};
+            TRY(measure_row(kind, count[n], options->ordered, &row));
+            json_array_append_new(rows, report_row(kind, &row));
+        }
+    return STATUS_OK;
+}
+
+static enum status bench_scaling(const struct options *options, json_t *rows)
+{
+    printf("          N  T         contacts candid.  setup  us per step  ns per N bytes/N  stream  %% pair walls drift "
+           "kick  build ns/N  in steps   GHz add/ns\n");
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
-        for (int n = 0; n < n_counts; n++)
-            for (int t = 0; t < n_threads; t++) {
-                struct row row = {.count = count[n], .threads = threads[t]};
-                if (options->dimension && atoi(options->dimension) != kinds[k].dimension)
-                    continue;
-                TRY(measure_row(&kinds[k], count[n], options->ordered, &row));
-                json_array_append_new(rows, report_row(&kinds[k], &row));
-            }
+        for (size_t m = 0; m < sizeof precisions / sizeof *precisions; m++)
+            if (wanted(options->dimension, kinds[k].dimension == 2 ? "2" : "3") &&
+                wanted(options->precision, precisions[m]))
+                TRY(bench_kind(&kinds[k], precisions[m], options, rows));
     return STATUS_OK;
 }
 
 int main(int argc, char **argv)
 {
     struct options options = {.counts = "1e3,3375,1e4,2e4,1e5,3e5,1e6", .threads = "1,2"};
-    const struct command_line_option own[] = {
-        {"dimension", &options.dimension, NULL}, {"counts", &options.counts, NULL},
-        {"threads", &options.threads, NULL},     {"json", &options.json, NULL},
-        {"ordered", NULL, &options.ordered},     {NULL, NULL, NULL}};
+    const struct command_line_option own[] = {{"dimension", &options.dimension, NULL},
+                                              {"precision", &options.precision, NULL},
+                                              {"counts", &options.counts, NULL},
+                                              {"threads", &options.threads, NULL},
+                                              {"json", &options.json, NULL},
+                                              {"ordered", NULL, &options.ordered},
+                                              {NULL, NULL, NULL}};
     struct command_line line;
     floating_point_flush_subnormals();
     json_t *rows = json_array();

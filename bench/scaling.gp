@@ -4,10 +4,11 @@ set output picture
 set logscale x
 set xlabel "particles"
 set ylabel "ns per particle and step"
-set yrange [0:*]
-set key top left
-rows(dimension, threads) = sprintf("< awk '$1 == \"%dD\" && $3 == %d { print $2, $8 }' '%s'", dimension, threads, table)
-plot rows(2, 1) with linespoints title "2D, scene A's material, 1 thread", \
-     rows(2, 2) with linespoints title "2D, 2 threads", \
-     rows(3, 1) with linespoints title "3D with friction, scene B's material, 1 thread", \
-     rows(3, 2) with linespoints title "3D, 2 threads"
+set key outside right
+rows(dimension, precision, threads, column) = sprintf( \
+    "< awk '$1 == \"%dD\" && $3 == %d && $4 == \"%s\" { print $2, $%d }' '%s'", dimension, threads, precision, column, table)
+set logscale y
+set yrange [*:*]
+plot for [d = 2:3] for [p in "double mixed"] rows(d, p, 1, 9) with linespoints title sprintf("%dD, %s", d, p), \
+     for [d = 2:3] for [p in "double mixed"] rows(d, p, 2, 9) with linespoints dashtype 2 title sprintf("%dD, %s, 2 threads", d, p), \
+     for [d = 2:3] rows(d, "double", 1, 11) with lines dashtype 3 linecolor "grey" title sprintf("%dD, double: its bytes in order", d)

@@ -1,6 +1,7 @@
 #include "bench/timing.h"
 
 #include <linux/perf_event.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,6 +9,8 @@
 #include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
+
+#include "sim/memory.h"
 
 enum { BLOCKS_MAX = 100 };
 
@@ -116,6 +119,25 @@ struct timing_core timing_core(void)
         most.additions_per_ns = per_ns > most.additions_per_ns ? per_ns : most.additions_per_ns;
     }
     return most;
+}
+
+double timing_stream_gb_per_s(double bytes)
+{
+    double least_us = INFINITY, *array = NULL;
+    const size_t count = (size_t)(bytes / sizeof *array) + 1, passes = 1 + (size_t)(1e7 / bytes);
+    if (array_resize(&array, sizeof *array, count, 0) != STATUS_OK)
+        return 0;
+    for (int k = 0; k < 5; k++) {
+        double start = cpu_now_us();
+        for (size_t pass = 0; pass < passes; pass++) {
+            for (size_t i = 0; i < count; i++)
+                array[i] += 1;
+            __asm__ volatile("" ::"r"(array) : "memory");
+        }
+        least_us = fmin(least_us, cpu_now_us() - start);
+    }
+    free(array);
+    return 2e-3 * (double)(passes * count * sizeof *array) / least_us;
 }
 
 void timing_core_print(const struct timing_core *before, const struct timing_core *after)

@@ -28,6 +28,10 @@ struct timing_core {
 };
 struct timing_core timing_core(void);
 
+/* What memory of this size gives one thread that reads it, adds, and writes it back, in order: bytes read and written
+ * [GB/s], the most of 5 passes; 0 if there is no room. */
+double timing_stream_gb_per_s(double bytes);
+
 /* Both before and after a measurement: a line on stdout, and {"ghz": [before, after], "additions_per_ns": [...]}. */
 void timing_core_print(const struct timing_core *before, const struct timing_core *after);
 json_t *timing_core_json(const struct timing_core *before, const struct timing_core *after);
