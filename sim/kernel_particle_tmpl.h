@@ -1,6 +1,25 @@
 /* Drift and kick: what a step does to the particles themselves, in double; and their records for the contacts.
  * Parameters as of kernel_law_tmpl.h. */
 
+/* Asks for what `pack` will write a few turns from now: lines that are only written are not fetched ahead by themselves. */
+LANES_INLINE void NAME(pack_ahead)(const struct particles *p, int i)
+{
+    enum { AHEAD = 64, BYTES = RECORD_STRIDE(DIM, FRICTIONAL, SINGLE) * (int)sizeof(double) };
+    const char *record = (const char *)p->record + (size_t)(i + AHEAD) * BYTES;
+    for (int b = 0; b < F64_LANES * BYTES; b += 64)
+        __builtin_prefetch(record + b, 1);
+#if SINGLE
+    for (int c = 0; c < DIM; c++) {
+        __builtin_prefetch(p->view_u[c] + i + AHEAD, 1);
+        __builtin_prefetch(p->view_v[c] + i + AHEAD, 1);
+    }
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++)
+        __builtin_prefetch(p->view_omega[c] + i + AHEAD, 1);
+#endif
+#endif
+}
+
 /* Writes the records of F64_LANES particles from i on, which are `u` from where they were listed; in single precision
  * also what stands side by side. */
 LANES_INLINE void NAME(pack)(struct particles *p, int i, const f64 *x, const f64 *u, const f64 *v, const f64 *omega)
@@ -177,6 +196,7 @@ LANES_INLINE bool NAME(drifted)(struct particles *p, int i, double dt_s, f64 lim
     for (int c = 0; c < SPRINGS; c++)
         motion->omega[c] = f64_fma(dt, motion->alpha[c], motion->omega[c]);
 #endif
+    NAME(pack_ahead)(p, i);
     NAME(pack)(p, i, x, u, motion->v, motion->omega);
     return f64_mask_all(f64_at_least(limit2, moved2));
 }
