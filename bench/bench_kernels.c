@@ -170,6 +170,14 @@ static enum status connect(struct sample *s, struct random *random)
     return contact_list_close(&s->wall.contacts, &s->p, &s->wall);
 }
 
+/* The particles have moved since the lists were built: together by a fifth of the skin, and each on its own. */
+static void move(struct sample *s, struct random *random)
+{
+    for (int c = 0; c < s->model.dimension; c++)
+        for (int i = 0; i < s->p.count; i++)
+            s->p.x[c][i] += 4e-5 + 2e-6 * (random_uniform(random) - 0.5);
+}
+
 static enum status sample_init(struct sample *s, struct model model)
 {
     struct random random;
@@ -178,7 +186,10 @@ static enum status sample_init(struct sample *s, struct model model)
     s->law = law_of(model);
     random_init(&random, 1);
     TRY(place(s, &random));
-    return connect(s, &random);
+    TRY(connect(s, &random));
+    move(s, &random);
+    s->wall.x += 4e-5;
+    return STATUS_OK;
 }
 
 static void sample_free(struct sample *s)

@@ -1,7 +1,8 @@
 /* Drift and kick: what a step does to the particles themselves, in double; and their records for the contacts.
  * Parameters as of kernel_law_tmpl.h. */
 
-/* Asks for what `pack` will write a few turns from now: lines that are only written are not fetched ahead by themselves. */
+/* Asks for what `pack` will write a few turns from now: lines that are only written are not fetched ahead by
+ * themselves. */
 LANES_INLINE void NAME(pack_ahead)(const struct particles *p, int i)
 {
     enum { AHEAD = 64, BYTES = RECORD_STRIDE(DIM, FRICTIONAL, SINGLE) * (int)sizeof(double) };
