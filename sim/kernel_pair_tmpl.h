@@ -76,42 +76,39 @@ LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, size_t f
     return to;
 }
 
-/* First part of a set of pairs: what the law wants to know of them, up to where roots are drawn. */
+/* First part of a set of pairs: what the law wants to know of them but for the root of the distance, for which the
+ * reach is in the place of `inverse` and, single, reach^2 - d^2 in that of delta. */
 LANES_INLINE struct NAME(meeting)
-    NAME(meet)(const struct particles *p, const struct contact_slots *slots, scalar quantum, size_t k)
+    NAME(approach)(const struct particles *p, const struct contact_slots *slots, scalar quantum, size_t k)
 {
     struct NAME(meeting) at;
+    at.inverse = real_load((const scalar *)slots->reach + k);
     const size_t first = (size_t)slots->first[k / SET_WIDTH] + k % SET_WIDTH;
     const struct NAME(other) i = NAME(beside)(p, first), j = NAME(other)(p, slots->row + k);
-    const real reach = real_load((const scalar *)slots->reach + k);
 #if SINGLE
     /* d = D + q (u_i - u_j), D at the last build; reach^2 - d^2 = (reach^2 - D^2) - (d + D)(d - D), of which nothing is
-     * a difference of large numbers; delta = (reach^2 - d^2)/(reach + |d|) */
+     * a difference of large numbers */
     real gap = real_load(slots->gap + k);
     for (int c = 0; c < DIM; c++) {
         real built = real_load(slots->built[c] + k), moved = real_all(quantum) * f32_of_difference(i.x[c], j.x[c]);
         at.d[c] = built + moved;
         gap = real_fma(-moved, at.d[c] + built, gap);
     }
-    real distance = f32_sqrt(NAME(inner)(at.d, at.d)), sum = reach + distance;
-    real both = real_all(1.0) / (distance * sum);
-    at.inverse = both * sum;
-    at.delta = gap * (both * distance);
+    at.delta = gap;
 #else
+    const real zero = real_all(0.0);
     (void)quantum;
     for (int c = 0; c < DIM; c++)
         at.d[c] = i.x[c] - j.x[c];
-    real d2 = NAME(inner)(at.d, at.d);
-    at.inverse = lanes_rsqrt(d2, f64_rsqrt_seed(d2));
-    at.delta = reach - d2 * at.inverse;
+    at.delta = zero;
 #endif
     for (int c = 0; c < DIM; c++)
         at.g[c] = i.v[c] - j.v[c];
 #if FRICTIONAL
 #if SINGLE
-    real a_i = f32_load(p->view_radius + first), a_j = reach - a_i;
+    real a_i = f32_load(p->view_radius + first), a_j = at.inverse - a_i;
 #else
-    real a_i = f64_load(p->radius + first), a_j = reach - a_i;
+    real a_i = f64_load(p->radius + first), a_j = at.inverse - a_i;
 #endif
     for (int c = 0; c < SPRINGS; c++) {
         at.w[c] = real_fma(a_i, i.omega[c], a_j * j.omega[c]);
@@ -121,6 +118,21 @@ LANES_INLINE struct NAME(meeting)
     }
 #endif
     return at;
+}
+
+/* Second part. */
+LANES_INLINE void NAME(root)(struct NAME(meeting) * at)
+{
+    const real reach = at->inverse, d2 = NAME(inner)(at->d, at->d);
+#if SINGLE
+    /* delta = (reach^2 - d^2)/(reach + |d|) */
+    real distance = f32_sqrt(d2), sum = reach + distance, both = real_all(1.0) / (distance * sum);
+    at->inverse = both * sum;
+    at->delta = at->delta * (both * distance);
+#else
+    at->inverse = lanes_rsqrt(d2, f64_rsqrt_seed(d2));
+    at->delta = reach - d2 * at->inverse;
+#endif
 }
 
 LANES_INLINE struct NAME(memory) NAME(memory_at)(const struct contact_slots *slots, size_t k)
@@ -244,32 +256,91 @@ LANES_INLINE void NAME(ask)(const struct particles *p, const void *force, const 
     }
 }
 
+/* What a range of sets is done with. */
+struct NAME(range) {
+    const struct particles *p;
+    struct contact_slots slots;
+    struct NAME(law) law;
+    const struct contact_law_constants *constants;
+    scalar quantum;
+    size_t start, end; /* slots */
+    bool large;
+    void *force;
+    scalar *own;
+    struct contact_losses *losses;
+};
+enum { NAME(CLOSE_EVERY) = 1024 }; /* slots: sums in float stay short */
+
+#if DIM == 2 && !FRICTIONAL
+/* Few values are on their way here, and so registers hold them: set k + 2 is approached, roots are drawn for set k + 1,
+ * the law is that of set k, and set k - 1 is added up. */
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, struct NAME(sums) * sums)
+{
+    const size_t second = r->start + LANES < r->end ? r->start + LANES : r->start;
+    struct NAME(meeting) next = NAME(approach)(r->p, &r->slots, r->quantum, r->start);
+    struct NAME(meeting) near = NAME(approach)(r->p, &r->slots, r->quantum, second);
+    struct NAME(contact_result) done = {0};
+    NAME(root)(&next);
+    for (size_t k = r->start; k < r->end; k += LANES) {
+        struct NAME(memory) memory = NAME(memory_at)(&r->slots, k);
+        struct NAME(meeting) at = next;
+        next = near;
+        NAME(root)(&next);
+        if (r->large && k + NAME(CHUNK) * LANES < r->end)
+            NAME(ask)(r->p, r->force, r->slots.row + k + NAME(CHUNK) * LANES);
+        if (k + 2 * LANES < r->end)
+            near = NAME(approach)(r->p, &r->slots, r->quantum, k + 2 * LANES);
+        struct NAME(touch) touch = NAME(touch)(&r->law, &at, &memory, sums);
+        struct NAME(contact_result) result = NAME(force)(&r->law, &touch, &memory, sums);
+        if (k > r->start)
+            NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, k - LANES, &done);
+        if (SINGLE && (k - r->start) % NAME(CLOSE_EVERY) == 0)
+            NAME(sums_close)(sums, r->constants, r->losses);
+        done = result;
+    }
+    NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, r->end - LANES, &done);
+}
+#else
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, struct NAME(sums) * sums)
+{
+    struct NAME(chunk) chunk;
+    for (size_t k = r->start; k < r->end; k += NAME(CHUNK) * LANES) {
+        const size_t second = k + NAME(CHUNK) * LANES;
+        const int n = NAME(chunk_size)(k, r->end);
+        for (size_t next = second; r->large && next < r->end && next < second + NAME(CHUNK) * LANES; next += LANES)
+            NAME(ask)(r->p, r->force, r->slots.row + next);
+        for (int m = 0; m < n; m++) {
+            chunk.at[m] = NAME(approach)(r->p, &r->slots, r->quantum, k + (size_t)m * LANES);
+            NAME(root)(&chunk.at[m]);
+        }
+        NAME(laws)(&chunk, &r->law, &r->slots, k, n, sums);
+        for (int m = 0; m < n; m++)
+            NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, k + (size_t)m * LANES, &chunk.result[m]);
+        if (SINGLE && (k - r->start) % NAME(CLOSE_EVERY) == 0)
+            NAME(sums_close)(sums, r->constants, r->losses);
+    }
+}
+#endif
+
 static void NAME(pair)(const struct particles *p, struct contact_list *pairs, int first, int last,
                        const struct contact_law_constants *constants, void *force, struct contact_losses *losses)
 {
-    enum { CLOSE_EVERY = 1024 }; /* slots: sums in float stay short */
-    const struct NAME(law) law = NAME(law_of)(constants);
-    const struct contact_slots slots = pairs->slots;
-    const scalar quantum = (scalar)p->quantum;
-    const size_t start = (size_t)first * SET_WIDTH, end = (size_t)last * SET_WIDTH;
-    const int rows = p->n_rows;
-    const bool large = p->count >= PARTICLES_LARGE_SAMPLE;
-    scalar *own = (scalar *)((char *)force + PARTICLES_OWN_OFFSET(rows, DIM, FRICTIONAL, SINGLE));
+    void *own = (char *)force + PARTICLES_OWN_OFFSET(p->n_rows, DIM, FRICTIONAL, SINGLE);
+    const struct NAME(range) range = {.p = p,
+                                      .slots = pairs->slots,
+                                      .law = NAME(law_of)(constants),
+                                      .constants = constants,
+                                      .quantum = (scalar)p->quantum,
+                                      .start = (size_t)first * SET_WIDTH,
+                                      .end = (size_t)last * SET_WIDTH,
+                                      .force = force,
+                                      .own = own,
+                                      .large = p->count >= PARTICLES_LARGE_SAMPLE,
+                                      .losses = losses};
     struct NAME(sums) sums = {0};
-    struct NAME(chunk) chunk;
-    for (size_t k = start; k < end; k += NAME(CHUNK) * LANES) {
-        const int n = NAME(chunk_size)(k, end);
-        for (size_t next = k + NAME(CHUNK) * LANES; large && next < end && next < k + 2 * NAME(CHUNK) * LANES;
-             next += LANES)
-            NAME(ask)(p, force, slots.row + next);
-        for (int m = 0; m < n; m++)
-            chunk.at[m] = NAME(meet)(p, &slots, quantum, k + (size_t)m * LANES);
-        NAME(laws)(&chunk, &law, &slots, k, n, &sums);
-        for (int m = 0; m < n; m++)
-            NAME(add_pair)(force, own, rows, &slots, k + (size_t)m * LANES, &chunk.result[m]);
-        if (SINGLE && (k - start) % CLOSE_EVERY == 0)
-            NAME(sums_close)(&sums, constants, losses);
-    }
+    if (first >= last)
+        return;
+    NAME(go_through)(&range, &sums);
     NAME(sums_close)(&sums, constants, losses);
 }
 
