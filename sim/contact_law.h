@@ -1,4 +1,4 @@
-/* The elastic normal force of one contact, for measurements; the kernels spell out the same (kernel_tmpl.h). */
+/* The elastic normal force of one contact, for measurements; the kernels spell out the same (kernel_law_tmpl.h). */
 #ifndef SHAKEDOWN_SIM_CONTACT_LAW_H
 #define SHAKEDOWN_SIM_CONTACT_LAW_H
 

@@ -1,8 +1,10 @@
 /* The law of one set of contacts, written once and compiled for each model, precision and instruction set. The
- * including file defines ISA         part of the names; lanes_<ISA>.h is included before DIM         2 | 3 HYSTERETIC
- * 0 | 1 FRICTIONAL  0 | 1 SINGLE      0 | 1: the law in float (docs/theory.md: mixed precision) Every contact's
- * arithmetic is the same in every lane and instruction set, so forces and histories are the same bits; only the sums of
- * the losses differ in their order. There are no branches: open candidates select zeros.
+ * including file defines
+ * - ISA: part of the names; lanes_<ISA>.h is included before;
+ * - DIM: 2 or 3; HYSTERETIC, FRICTIONAL: 0 or 1;
+ * - SINGLE: 1 for the law in float (docs/theory.md: mixed precision), else 0.
+ * Every contact's arithmetic is the same in every lane and instruction set, so forces and histories are the same bits;
+ * only the sums of the losses differ in their order. There are no branches: open candidates select zeros.
  *
  * Tangential law [D eq. 2-4], second order in time: the spring is kept at the middle of the step, xi(k+1/2) =
  * xi(k-1/2) + v_t(k) dt, and brought to the step's end by xi(k) = xi(k-1/2) + v_t(k) dt/2, with v_t from velocities

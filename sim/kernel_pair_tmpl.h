@@ -96,11 +96,10 @@ LANES_INLINE struct NAME(meeting)
     }
     at.delta = gap;
 #else
-    const real zero = real_all(0.0);
     (void)quantum;
     for (int c = 0; c < DIM; c++)
         at.d[c] = i.x[c] - j.x[c];
-    at.delta = zero;
+    at.delta = real_all(0.0);
 #endif
     for (int c = 0; c < DIM; c++)
         at.g[c] = i.v[c] - j.v[c];
@@ -120,7 +119,7 @@ LANES_INLINE struct NAME(meeting)
     return at;
 }
 
-/* Second part. */
+/* The root, and with it `inverse` and delta. */
 LANES_INLINE void NAME(root)(struct NAME(meeting) * at)
 {
     const real reach = at->inverse, d2 = NAME(inner)(at->d, at->d);
@@ -157,8 +156,9 @@ LANES_INLINE struct NAME(memory) NAME(memory_at)(const struct contact_slots *slo
  */
 LANES_INLINE void NAME(add_rows)(void *force, const uint32_t *row, const struct NAME(contact_result) * result)
 {
+#if DIM == 3 || FRICTIONAL
     const real zero = real_all(0.0);
-    (void)zero;
+#endif
 #if SINGLE
     const int unit = ROW_BYTES(DIM, FRICTIONAL, 1) / RECORD_STRIDE(DIM, FRICTIONAL, 1);
 #define ROW row, unit
@@ -186,8 +186,8 @@ LANES_INLINE void NAME(add_rows)(void *force, const uint32_t *row, const struct 
 #undef ROW
 }
 
-/* Last part: sums of the particles j, and of i, which are side by side. own: column of force 0, `rows` from one to the
- * next. */
+/* Last part of a set: sums of the particles j, and of i, which are side by side. own: column of force 0, `rows` from
+ * one to the next. */
 LANES_INLINE void NAME(add_pair)(void *force, scalar *own, int rows, const struct contact_slots *slots, size_t k,
                                  const struct NAME(contact_result) * result)
 {

@@ -1,5 +1,5 @@
-/* The kernels of a time step, specialised at compile time for each model and instruction set (kernel_tmpl.h) and chosen
- * at the start of a run. */
+/* The kernels of a time step, specialised at compile time for each model and instruction set (kernel_law_tmpl.h) and
+ * chosen at the start of a run. */
 #ifndef SHAKEDOWN_SIM_KERNELS_H
 #define SHAKEDOWN_SIM_KERNELS_H
 
