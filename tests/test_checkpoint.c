@@ -138,7 +138,12 @@ static void test_same_bits(void **state)
     (void)state;
     for (int m = 0; m < N_MODELS; m++)
         for (size_t k = 0; k < sizeof steps / sizeof *steps; k++)
-            resume_at(&models[m], steps[k], k % 2 ? "" : "neighbor = { renumber_steps = 100; };");
+            for (int mixed = 0; mixed < 2; mixed++) {
+                char more[100];
+                snprintf(more, sizeof more, "%s %s", k % 2 ? "" : "neighbor = { renumber_steps = 100; };",
+                         mixed ? "precision = \"mixed\";" : "");
+                resume_at(&models[m], steps[k], more);
+            }
 }
 
 /* The sample of `model` after its first stage, in the file. */
