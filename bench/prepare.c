@@ -52,9 +52,8 @@ enum status prepare_forget(struct world *world)
         contact_list_read(list);
         for (int k = 0; k < list->count; k++)
             contact_list_clear(list, k);
-        TRY(contact_list_close(list, &world->particles, l == 0 ? NULL : &world->walls[l - 1]));
     }
-    return STATUS_OK;
+    return world_close_lists(world);
 }
 
 enum status prepare_path(const char *file, char *checkpoint)

@@ -2,17 +2,12 @@
 
 #include <string.h>
 
-#include "sim/memory.h"
-
 /* Where the history of each slot comes from: twice the slot of `before`, 1 more if it belongs to the other member
  * there; -1: nowhere. In the list's working memory. */
 static enum status find_sources(struct contact_list *list, const struct contact_list *before, const int32_t *source)
 {
     const size_t slots = (size_t)list->n_sets * SET_WIDTH;
-    if (slots > list->scratch_size) {
-        TRY(array_resize(&list->scratch, sizeof *list->scratch, slots + slots / 8, 0));
-        list->scratch_size = slots + slots / 8;
-    }
+    TRY(contact_list_work(list, slots, 0));
     memset(list->scratch, -1, slots * sizeof *list->scratch);
     for (int k = 0; before->count && k < list->count; k++) {
         const uint32_t to = list->slot[k], from = before->slot[source[k] < 0 ? 0 : source[k]];

@@ -356,9 +356,7 @@ static enum status get_items(hid_t file, struct world *world, struct run_progres
     TRY(status);
     TRY(renumber_set_slots(&world->particles));
     TRY(lists_check(world));
-    for (int l = 0; l <= world->n_walls; l++)
-        TRY(contact_list_close(list_of(world, l), &world->particles, l > 0 ? &world->walls[l - 1] : NULL));
-    return STATUS_OK;
+    return world_close_lists(world);
 }
 
 /* A checkpoint as it was written, with the scene it was written for. */

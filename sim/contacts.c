@@ -79,6 +79,16 @@ void contact_list_clear(struct contact_list *to, int t)
         to->spring[c][t] = to->rest[c][t] = 0;
 }
 
+enum status contact_list_work(struct contact_list *list, size_t count, size_t kept)
+{
+    const size_t size = count + count / 8;
+    if (count <= list->scratch_size)
+        return STATUS_OK;
+    TRY(array_resize(&list->scratch, sizeof *list->scratch, size, kept));
+    list->scratch_size = size;
+    return STATUS_OK;
+}
+
 void contact_list_free(struct contact_list *list)
 {
     free(list->i);

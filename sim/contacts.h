@@ -113,4 +113,8 @@ enum status contact_list_place(struct contact_list *list, const struct particles
 enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension) MUST_USE;
 void contact_list_free(struct contact_list *list);
 
+/* Room for `count` members of the working memory, of which the first `kept` keep what they are. Errors:
+ * STATUS_NO_MEMORY. */
+enum status contact_list_work(struct contact_list *list, size_t count, size_t kept) MUST_USE;
+
 #endif

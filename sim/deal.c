@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "sim/memory.h"
-
 /* Each particle has a column in a table, with a place for each set of its block, and pairs are put in as keys are into
  * a hash table with two choices for each ("cuckoo hashing"): if the columns of both members are full, one takes the
  * pair and passes another of its pairs on to that one's other member, and so on. */
@@ -47,10 +45,7 @@ static enum status lay_out(struct table *t, struct contact_list *list, size_t pl
     const size_t column = sizeof *t->column / sizeof(int32_t) * (size_t)t->n_particles;
     const size_t blocks = (size_t)t->n_blocks, even = blocks + blocks % 2;
     const size_t before = column + 3 * even + 4 + 2 * (size_t)list->count, size = before + 2 * places;
-    if (size > list->scratch_size) {
-        TRY(array_resize(&list->scratch, sizeof(int32_t), size + size / 8, places ? before : 0));
-        list->scratch_size = size + size / 8;
-    }
+    TRY(contact_list_work(list, size, places ? before : 0));
     t->column = (struct column *)list->scratch;
     t->planned = list->scratch + column;
     t->start = t->planned + even;

@@ -1,5 +1,10 @@
 /* Instantiates the kernels for every model and precision under the including file's ISA, and the table of them:
  * [dimension - 2][hysteretic][frictional][single]. */
+enum {
+    CHUNK = 8,         /* sets that go through a kernel's parts together */
+    CLOSE_EVERY = 1024 /* slots: sums in float stay short */
+};
+
 #define DIM        2
 #define HYSTERETIC 0
 #define FRICTIONAL 0

@@ -204,11 +204,10 @@ LANES_INLINE void NAME(add_pair)(void *force, scalar *own, int rows, const struc
 /* The sets of contacts are independent but for the sums, and each is one long chain of operations; many of a chain's
  * kind run at a time. So a chunk of sets goes through each part before the next part begins, with what is in between in
  * the nearest cache. */
-enum { NAME(CHUNK) = 8 };
 struct NAME(chunk) {
-    struct NAME(meeting) at[NAME(CHUNK)];
-    struct NAME(touch) touch[NAME(CHUNK)];
-    struct NAME(contact_result) result[NAME(CHUNK)];
+    struct NAME(meeting) at[CHUNK];
+    struct NAME(touch) touch[CHUNK];
+    struct NAME(contact_result) result[CHUNK];
 };
 
 /* Both halves of the law for n sets from slot k on. Roots apart pay in the narrower of the vectors, whose chains are as
@@ -240,7 +239,7 @@ LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) 
 /* Sets from slot k on that fit in a chunk, up to `end`. */
 LANES_INLINE int NAME(chunk_size)(size_t k, size_t end)
 {
-    return end - k < NAME(CHUNK) * LANES ? (int)((end - k) / LANES) : NAME(CHUNK);
+    return end - k < CHUNK * LANES ? (int)((end - k) / LANES) : CHUNK;
 }
 
 /* Large samples: records and sums of the particles j are asked for a chunk ahead, which no prefetcher sees coming. */
@@ -269,7 +268,6 @@ struct NAME(range) {
     scalar *own;
     struct contact_losses *losses;
 };
-enum { NAME(CLOSE_EVERY) = 1024 }; /* slots: sums in float stay short */
 
 #if DIM == 2 && !FRICTIONAL
 /* Few values are on their way here, and so registers hold them: set k + 2 is approached, roots are drawn for set k + 1,
@@ -286,15 +284,15 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, struct NAME(sum
         struct NAME(meeting) at = next;
         next = near;
         NAME(root)(&next);
-        if (r->large && k + NAME(CHUNK) * LANES < r->end)
-            NAME(ask)(r->p, r->force, r->slots.row + k + NAME(CHUNK) * LANES);
+        if (r->large && k + CHUNK * LANES < r->end)
+            NAME(ask)(r->p, r->force, r->slots.row + k + CHUNK * LANES);
         if (k + 2 * LANES < r->end)
             near = NAME(approach)(r->p, &r->slots, r->quantum, k + 2 * LANES);
         struct NAME(touch) touch = NAME(touch)(&r->law, &at, &memory, sums);
         struct NAME(contact_result) result = NAME(force)(&r->law, &touch, &memory, sums);
         if (k > r->start)
             NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, k - LANES, &done);
-        if (SINGLE && (k - r->start) % NAME(CLOSE_EVERY) == 0)
+        if (SINGLE && (k - r->start) % CLOSE_EVERY == 0)
             NAME(sums_close)(sums, r->constants, r->losses);
         done = result;
     }
@@ -304,10 +302,10 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, struct NAME(sum
 LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, struct NAME(sums) * sums)
 {
     struct NAME(chunk) chunk;
-    for (size_t k = r->start; k < r->end; k += NAME(CHUNK) * LANES) {
-        const size_t second = k + NAME(CHUNK) * LANES;
+    for (size_t k = r->start; k < r->end; k += CHUNK * LANES) {
+        const size_t second = k + CHUNK * LANES;
         const int n = NAME(chunk_size)(k, r->end);
-        for (size_t next = second; r->large && next < r->end && next < second + NAME(CHUNK) * LANES; next += LANES)
+        for (size_t next = second; r->large && next < r->end && next < second + CHUNK * LANES; next += LANES)
             NAME(ask)(r->p, r->force, r->slots.row + next);
         for (int m = 0; m < n; m++) {
             chunk.at[m] = NAME(approach)(r->p, &r->slots, r->quantum, k + (size_t)m * LANES);
@@ -316,7 +314,7 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, struct NAME(sum
         NAME(laws)(&chunk, &r->law, &r->slots, k, n, sums);
         for (int m = 0; m < n; m++)
             NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, k + (size_t)m * LANES, &chunk.result[m]);
-        if (SINGLE && (k - r->start) % NAME(CLOSE_EVERY) == 0)
+        if (SINGLE && (k - r->start) % CLOSE_EVERY == 0)
             NAME(sums_close)(sums, r->constants, r->losses);
     }
 }
@@ -422,7 +420,7 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
     double columns[SET_WIDTH] = {0}, total = 0;
     struct NAME(sums) sums = {0};
     struct NAME(chunk) chunk;
-    for (size_t k = 0; k < end; k += NAME(CHUNK) * LANES) {
+    for (size_t k = 0; k < end; k += CHUNK * LANES) {
         const int n = NAME(chunk_size)(k, end);
         for (int m = 0; m < n; m++)
             chunk.at[m] = NAME(meet_wall)(p, wall, k + (size_t)m * LANES);

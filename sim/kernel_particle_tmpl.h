@@ -202,6 +202,7 @@ LANES_INLINE bool NAME(drifted)(struct particles *p, int i, double dt_s, f64 lim
     return f64_mask_all(f64_at_least(limit2, moved2));
 }
 
+/* The loops here go over a copy of the particles' pointers, which no store can change. */
 static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
 {
     struct particles of = *p;
@@ -225,7 +226,6 @@ static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
     return !near;
 }
 
-/* The loops go over a copy of the particles' pointers, which no store can change. */
 LANES_INLINE double NAME(kick_all)(struct particles of, const struct kick_constants *constants, bool gravity)
 {
     f64 power = f64_all(0.0);

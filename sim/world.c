@@ -89,6 +89,14 @@ enum status world_build_lists(struct world *world)
     return STATUS_OK;
 }
 
+enum status world_close_lists(struct world *world)
+{
+    TRY(contact_list_close(&world->pairs, &world->particles, NULL));
+    for (int w = 0; w < world->n_walls; w++)
+        TRY(contact_list_close(&world->walls[w].contacts, &world->particles, &world->walls[w]));
+    return STATUS_OK;
+}
+
 static enum status fill_sample(struct world *world)
 {
     double lo[3], hi[3];

@@ -74,6 +74,9 @@ enum status world_init_lists(struct world *world) MUST_USE;
 /* Builds the lists anew, for the positions as they are. Errors: as of neighbor_build. */
 enum status world_build_lists(struct world *world) MUST_USE;
 
+/* Hands all lists over to the kernels, as contact_list_close does. */
+enum status world_close_lists(struct world *world) MUST_USE;
+
 /* Sets what follows from the stage and the scene: material and law. */
 void world_set_law(struct world *world);
 

@@ -30,6 +30,15 @@ static void bench_open(struct bench *bench, const struct synthetic_options *opti
     assert_int_equal(recording_create(&bench->recording, &recording), STATUS_OK);
 }
 
+/* With so many exchanges recorded. */
+static void bench_open_walls(struct bench *bench, int n_exchanges)
+{
+    struct synthetic_options options = synthetic_default;
+    options.walls = true;
+    options.n_wall_states = n_exchanges;
+    bench_open(bench, &options);
+}
+
 static void bench_close(struct bench *bench)
 {
     recording_free(bench->recording);
@@ -387,11 +396,8 @@ static void test_fuzz_recording(void **state)
 {
     struct bench bench;
     uint64_t random = 3;
-    struct synthetic_options options = synthetic_default;
     (void)state;
-    options.walls = true;
-    options.n_wall_states = 100;
-    bench_open(&bench, &options);
+    bench_open_walls(&bench, 100);
     for (size_t k = 0; k < bench.run.count; k++) {
         const struct synthetic_message *message = &bench.run.messages[k];
         for (int copy = 0; copy < 10; copy++) {
@@ -443,10 +449,7 @@ static void test_misfits(void **state)
 static void lose_one(int kind, int n)
 {
     struct bench bench;
-    struct synthetic_options options = synthetic_default;
-    options.walls = true;
-    options.n_wall_states = 100;
-    bench_open(&bench, &options);
+    bench_open_walls(&bench, 100);
     size_t lost = find(&bench.run, kind, n);
     for (int round = 0; round < 3; round++) {
         for (size_t k = 0; k < bench.run.count; k++) {
@@ -483,11 +486,8 @@ static void test_never_complete(void **state)
 static void test_walls_before_run_info_and_repeated(void **state)
 {
     struct bench bench;
-    struct synthetic_options options = synthetic_default;
     (void)state;
-    options.walls = true;
-    options.n_wall_states = 50;
-    bench_open(&bench, &options);
+    bench_open_walls(&bench, 50);
     for (int k = 0; k < 10; k++) {
         give(&bench, &bench.run.messages[find(&bench.run, MESSAGE_WALL_STATE, k)]);
         give(&bench, &bench.run.messages[find(&bench.run, MESSAGE_WALL_STATE, k)]);
@@ -503,11 +503,8 @@ static void test_walls_before_run_info_and_repeated(void **state)
 static void test_walls_out_of_order(void **state)
 {
     struct bench bench;
-    struct synthetic_options options = synthetic_default;
     (void)state;
-    options.walls = true;
-    options.n_wall_states = 50;
-    bench_open(&bench, &options);
+    bench_open_walls(&bench, 50);
     for (size_t k = 0; k < bench.run.count; k++) {
         const struct synthetic_message *message = &bench.run.messages[k];
         if (message->kind == MESSAGE_WALL_STATE) {
@@ -571,11 +568,8 @@ static void test_walls_with_strange_numbers(void **state)
 {
     static const int64_t strange[] = {-1, INT64_MIN, INT64_MAX, INT64_MAX / 2, WALLS_WINDOW + 1, 1000};
     struct bench bench;
-    struct synthetic_options options = synthetic_default;
     (void)state;
-    options.walls = true;
-    options.n_wall_states = 50;
-    bench_open(&bench, &options);
+    bench_open_walls(&bench, 50);
     const size_t first = find(&bench.run, MESSAGE_WALL_STATE, 0);
     for (size_t k = 0; k < bench.run.count; k++) {
         give(&bench, &bench.run.messages[k]);
