@@ -21,8 +21,8 @@ LANES_INLINE void NAME(pack_ahead)(const struct particles *p, int i)
 #endif
 }
 
-/* Writes the records of F64_LANES particles from i on, which are `u` from where they were listed; in single precision
- * also what stands side by side. */
+/* Writes the records of F64_LANES particles from i on, which are `u` quanta from where they were listed; in single
+ * precision also what stands side by side. */
 LANES_INLINE void NAME(pack)(struct particles *p, int i, const f64 *x, const f64 *u, const f64 *v, const f64 *omega)
 {
     enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL, SINGLE) };
@@ -33,10 +33,9 @@ LANES_INLINE void NAME(pack)(struct particles *p, int i, const f64 *x, const f64
     (void)x;
     (void)u;
 #if SINGLE
-    const f64 per_quantum = f64_all(1 / p->quantum);
     f32h record[8];
     for (int c = 0; c < DIM; c++) {
-        record[c] = f64_fixed(u[c] * per_quantum);
+        record[c] = f64_fixed(u[c]);
         record[DIM + c] = f64_narrow(v[c]);
         f32h_store((float *)p->view_u[c] + i, record[c]);
         f32h_store(p->view_v[c] + i, record[DIM + c]);
@@ -133,34 +132,54 @@ struct NAME(motion) {
     f64 v[DIM], a[DIM], omega[3], alpha[3];
 };
 
-/* Accelerations from forces, background damping and gravity; corrects v and omega by the change of acceleration. Adds
- * to the power that the background takes. */
-LANES_INLINE struct NAME(motion)
-    NAME(kicked)(struct particles *p, int i, const struct kick_constants *k, bool gravity, f64 *power)
+/* Constants of a kick in all lanes, and what it sums: v^2, and a^2 omega^2. */
+struct NAME(kick) {
+    f64 half, minus_gamma_b, gravity[3], minus_slowing;
+    f64 v2, spin2;
+};
+
+LANES_INLINE struct NAME(kick) NAME(kick_of)(const struct kick_constants *k)
 {
-    const f64 half = f64_all(0.5 * k->dt), gamma_b = f64_all(k->gamma_b);
+    return (struct NAME(kick)){
+        .half = f64_all(0.5 * k->dt),
+        .minus_gamma_b = f64_all(-k->gamma_b),
+        .gravity = {f64_all(k->gravity[0]), f64_all(k->gravity[1]), f64_all(k->gravity[2])},
+        .minus_slowing = f64_all(-2.5 * k->gamma_br), /* a^2/I = 2.5/m */
+        .v2 = f64_all(0.0),
+        .spin2 = f64_all(0.0),
+    };
+}
+
+/* What the background takes [W]. */
+LANES_INLINE double NAME(power)(const struct NAME(kick) * kick, const struct kick_constants *k)
+{
+    return k->gamma_b * f64_sum(kick->v2) + k->gamma_br * f64_sum(kick->spin2);
+}
+
+/* Accelerations from forces, background damping and gravity; corrects v and omega by the change of acceleration. */
+LANES_INLINE struct NAME(motion) NAME(kicked)(struct particles *p, int i, struct NAME(kick) * kick, bool gravity)
+{
     struct NAME(motion) to;
-    f64 force[DIM], moment[3], inv_mass = f64_load(p->inv_mass + i), v2 = f64_all(0.0);
+    f64 force[DIM], moment[3], inv_mass = f64_load(p->inv_mass + i);
     NAME(take_sums)(p, i, force, moment);
     for (int c = 0; c < DIM; c++) {
         f64 v = f64_load(p->v[c] + i), before = f64_load(p->a[c] + i);
         if (gravity)
-            force[c] = f64_fma(f64_all(k->gravity[c]), f64_load(p->mass + i), force[c]);
-        to.a[c] = f64_fma(-gamma_b, v, force[c]) * inv_mass;
-        to.v[c] = f64_fma(half, to.a[c] - before, v);
-        v2 = f64_fma(v, v, v2);
+            force[c] = f64_fma(kick->gravity[c], f64_load(p->mass + i), force[c]);
+        to.a[c] = f64_fma(kick->minus_gamma_b, v, force[c]) * inv_mass;
+        to.v[c] = f64_fma(kick->half, to.a[c] - before, v);
+        kick->v2 = f64_fma(v, v, kick->v2);
     }
-    *power = f64_fma(gamma_b, v2, *power);
 #if FRICTIONAL
-    f64 radius = f64_load(p->radius + i), lever = radius * f64_load(p->inv_inertia + i), omega2 = f64_all(0.0);
-    f64 slowing = f64_all(2.5 * k->gamma_br) * inv_mass; /* a^2/I = 2.5/m */
+    f64 radius = f64_load(p->radius + i), minus_lever = -radius * f64_load(p->inv_inertia + i);
+    f64 minus_slowing = kick->minus_slowing * inv_mass, omega2 = f64_all(0.0);
     for (int c = 0; c < SPRINGS; c++) {
         f64 omega = f64_load(p->omega[c] + i), before = f64_load(p->alpha[c] + i);
-        to.alpha[c] = f64_fma(-lever, moment[c], -slowing * omega);
-        to.omega[c] = f64_fma(half, to.alpha[c] - before, omega);
+        to.alpha[c] = f64_fma(minus_lever, moment[c], minus_slowing * omega);
+        to.omega[c] = f64_fma(kick->half, to.alpha[c] - before, omega);
         omega2 = f64_fma(omega, omega, omega2);
     }
-    *power = f64_fma(f64_all(k->gamma_br) * radius * radius, omega2, *power);
+    kick->spin2 = f64_fma(radius * radius, omega2, kick->spin2);
 #endif
     return to;
 }
@@ -179,35 +198,50 @@ LANES_INLINE void NAME(motion_store)(struct particles *p, int i, const struct NA
 #endif
 }
 
-/* x += v dt + a dt^2/2; v and omega of `motion` become those predicted for the end of the step. False if a particle is
- * further than sqrt(limit2) from where the lists were built, or NaN. */
-LANES_INLINE bool NAME(drifted)(struct particles *p, int i, double dt_s, f64 limit2, struct NAME(motion) * motion)
+/* Constants of a drift in all lanes, and whether all particles so far are near: no further than sqrt(limit2) from where
+ * the lists were built, and not NaN. */
+struct NAME(drift) {
+    f64 dt, half, limit2, per_quantum;
+    f64_mask near;
+};
+
+LANES_INLINE struct NAME(drift) NAME(drift_of)(const struct particles *p, double dt_s, double reach_m)
 {
-    const f64 dt = f64_all(dt_s), half = f64_all(0.5 * dt_s);
+    const f64 zero = f64_all(0.0);
+    return (struct NAME(drift)){.dt = f64_all(dt_s),
+                                .half = f64_all(0.5 * dt_s),
+                                .limit2 = f64_all(reach_m * reach_m),
+                                .per_quantum = f64_all(1 / p->quantum),
+                                .near = f64_at_least(zero, zero)};
+}
+
+/* x += v dt + a dt^2/2; v and omega of `motion` become those predicted for the end of the step. */
+LANES_INLINE void NAME(drifted)(struct particles *p, int i, struct NAME(drift) * drift, struct NAME(motion) * motion)
+{
     f64 x[DIM], u[DIM], moved2 = f64_all(0.0);
     for (int c = 0; c < DIM; c++) {
         f64 before = f64_load(p->x[c] + i);
-        x[c] = f64_fma(dt, f64_fma(half, motion->a[c], motion->v[c]), before);
-        motion->v[c] = f64_fma(dt, motion->a[c], motion->v[c]);
+        x[c] = f64_fma(drift->dt, f64_fma(drift->half, motion->a[c], motion->v[c]), before);
+        motion->v[c] = f64_fma(drift->dt, motion->a[c], motion->v[c]);
         u[c] = x[c] - f64_load(p->x_list[c] + i);
         moved2 = f64_fma(u[c], u[c], moved2);
         f64_store(p->x[c] + i, x[c]);
+        u[c] = u[c] * drift->per_quantum;
     }
 #if FRICTIONAL
     for (int c = 0; c < SPRINGS; c++)
-        motion->omega[c] = f64_fma(dt, motion->alpha[c], motion->omega[c]);
+        motion->omega[c] = f64_fma(drift->dt, motion->alpha[c], motion->omega[c]);
 #endif
+    drift->near = f64_and(drift->near, f64_at_least(drift->limit2, moved2));
     NAME(pack_ahead)(p, i);
     NAME(pack)(p, i, x, u, motion->v, motion->omega);
-    return f64_mask_all(f64_at_least(limit2, moved2));
 }
 
 /* The loops here go over a copy of the particles' pointers, which no store can change. */
 static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
 {
     struct particles of = *p;
-    const f64 limit2 = f64_all(reach_m * reach_m);
-    bool near = true;
+    struct NAME(drift) drift = NAME(drift_of)(p, dt_s, reach_m);
     for (int i = of.from; i < of.count; i += F64_LANES) {
         struct NAME(motion) motion;
         for (int c = 0; c < DIM; c++) {
@@ -220,35 +254,34 @@ static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
             motion.alpha[c] = f64_load(of.alpha[c] + i);
         }
 #endif
-        near = NAME(drifted)(&of, i, dt_s, limit2, &motion) && near;
+        NAME(drifted)(&of, i, &drift, &motion);
         NAME(motion_store)(&of, i, &motion);
     }
-    return !near;
+    return !f64_mask_all(drift.near);
 }
 
 LANES_INLINE double NAME(kick_all)(struct particles of, const struct kick_constants *constants, bool gravity)
 {
-    f64 power = f64_all(0.0);
+    struct NAME(kick) kick = NAME(kick_of)(constants);
     for (int i = of.from; i < of.count; i += F64_LANES) {
-        struct NAME(motion) motion = NAME(kicked)(&of, i, constants, gravity, &power);
+        struct NAME(motion) motion = NAME(kicked)(&of, i, &kick, gravity);
         NAME(motion_store)(&of, i, &motion);
     }
-    return f64_sum(power);
+    return NAME(power)(&kick, constants);
 }
 
 LANES_INLINE bool NAME(advance_all)(struct particles of, const struct kick_constants *constants, bool gravity,
                                     double dt_s, double reach_m, double *background_w)
 {
-    const f64 limit2 = f64_all(reach_m * reach_m);
-    f64 power = f64_all(0.0);
-    bool near = true;
+    struct NAME(kick) kick = NAME(kick_of)(constants);
+    struct NAME(drift) drift = NAME(drift_of)(&of, dt_s, reach_m);
     for (int i = of.from; i < of.count; i += F64_LANES) {
-        struct NAME(motion) motion = NAME(kicked)(&of, i, constants, gravity, &power);
-        near = NAME(drifted)(&of, i, dt_s, limit2, &motion) && near;
+        struct NAME(motion) motion = NAME(kicked)(&of, i, &kick, gravity);
+        NAME(drifted)(&of, i, &drift, &motion);
         NAME(motion_store)(&of, i, &motion);
     }
-    *background_w = f64_sum(power);
-    return !near;
+    *background_w = NAME(power)(&kick, constants);
+    return !f64_mask_all(drift.near);
 }
 
 LANES_INLINE bool NAME(pulls)(const struct kick_constants *constants)

@@ -298,33 +298,36 @@ LANES_INLINE void f32h_load8(const float *from, f32h *column)
     lanes_columns4(_mm512_shuffle_f32x4(z[0], z[1], 0x88), _mm512_shuffle_f32x4(z[2], z[3], 0x88), column);
     lanes_columns4(_mm512_shuffle_f32x4(z[0], z[1], 0xdd), _mm512_shuffle_f32x4(z[2], z[3], 0xdd), column + 4);
 }
-/* Transposes the 4 x 4 floats in each half of four registers. */
-LANES_INLINE void lanes_halves(const f32h *from, f32h *to)
+LANES_INLINE f32 lanes_join(f32h low, f32h high)
 {
-    f32h lo01 = _mm256_unpacklo_ps(from[0], from[1]), hi01 = _mm256_unpackhi_ps(from[0], from[1]);
-    f32h lo23 = _mm256_unpacklo_ps(from[2], from[3]), hi23 = _mm256_unpackhi_ps(from[2], from[3]);
-    to[0] = _mm256_shuffle_ps(lo01, lo23, 0x44);
-    to[1] = _mm256_shuffle_ps(lo01, lo23, 0xee);
-    to[2] = _mm256_shuffle_ps(hi01, hi23, 0x44);
-    to[3] = _mm256_shuffle_ps(hi01, hi23, 0xee);
+    return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+}
+/* Eight rows of four floats from their columns, four rows a register. */
+LANES_INLINE void lanes_rows_of_4(const f32h *column, f32 *rows)
+{
+    const __m512i front = _mm512_set_epi32(27, 19, 11, 3, 26, 18, 10, 2, 25, 17, 9, 1, 24, 16, 8, 0),
+                  back = _mm512_set_epi32(31, 23, 15, 7, 30, 22, 14, 6, 29, 21, 13, 5, 28, 20, 12, 4);
+    f32 low = lanes_join(column[0], column[1]), high = lanes_join(column[2], column[3]);
+    rows[0] = _mm512_permutex2var_ps(low, front, high);
+    rows[1] = _mm512_permutex2var_ps(low, back, high);
 }
 LANES_INLINE void f32h_store4(float *to, const f32h *column)
 {
-    f32h rows[4]; /* 0|4 1|5 2|6 3|7 */
-    lanes_halves(column, rows);
-    for (int r = 0; r < 2; r++) {
-        _mm256_storeu_ps(to + 8 * r, _mm256_permute2f128_ps(rows[2 * r], rows[2 * r + 1], 0x20));
-        _mm256_storeu_ps(to + 16 + 8 * r, _mm256_permute2f128_ps(rows[2 * r], rows[2 * r + 1], 0x31));
-    }
+    f32 rows[2];
+    lanes_rows_of_4(column, rows);
+    _mm512_storeu_ps(to, rows[0]);
+    _mm512_storeu_ps(to + 16, rows[1]);
 }
 LANES_INLINE void f32h_store8(float *to, const f32h *column)
 {
-    f32h front[4], back[4];
-    lanes_halves(column, front);
-    lanes_halves(column + 4, back);
-    for (int r = 0; r < 4; r++) {
-        _mm256_storeu_ps(to + 8 * r, _mm256_permute2f128_ps(front[r], back[r], 0x20));
-        _mm256_storeu_ps(to + 32 + 8 * r, _mm256_permute2f128_ps(front[r], back[r], 0x31));
+    const __m512i even = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0), odd = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
+    f32 front[2], back[2];
+    lanes_rows_of_4(column, front);
+    lanes_rows_of_4(column + 4, back);
+    for (int r = 0; r < 2; r++) {
+        f64 a = _mm512_castps_pd(front[r]), b = _mm512_castps_pd(back[r]);
+        _mm512_storeu_pd(to + 32 * r, _mm512_permutex2var_pd(a, even, b));
+        _mm512_storeu_pd(to + 32 * r + 16, _mm512_permutex2var_pd(a, odd, b));
     }
 }
 LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)
