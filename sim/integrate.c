@@ -1,7 +1,7 @@
 /* Velocity Verlet with predicted velocities. With x, v, a at step k:
- *   drift  x(k+1) = x + v dt + a dt^2/2,   v* = v + a dt
+ *   drift  v(k+1/2) = v + a dt/2,   x(k+1) = x + v(k+1/2) dt,   v* = v(k+1/2) + a dt/2
  *   forces from x(k+1), v*  ->  a(k+1)
- *   kick   v(k+1) = v* + (a(k+1) - a) dt/2 = v + (a + a(k+1)) dt/2
+ *   kick   v(k+1) = v(k+1/2) + a(k+1) dt/2
  * v* is second order accurate, so forces that depend on velocity keep the scheme at second order, and positions,
  * velocities, rotations and tangential springs are all taken at the same time. */
 #include "sim/integrate.h"
@@ -101,10 +101,7 @@ static enum status renew_lists(struct world *world)
     neighbor_tune(neighbor, &world->particles, world->walls, world->n_walls, world->step);
     world->pairs.search_max = neighbor_search_max(neighbor, world->step);
     neighbor->built_step = world->step;
-    TRY(world_build_lists(world));
-    if (world->particles.single) /* their records count from the lists */
-        (void)threads_drift(&world->threads, &world->kernels, &world->particles, 0, INFINITY);
-    return STATUS_OK;
+    return world_build_lists(world);
 }
 
 /* Puts the particles into a new order when it is due. The state is complete: nothing of the step has been done. */

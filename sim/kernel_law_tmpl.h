@@ -304,15 +304,11 @@ LANES_INLINE struct NAME(contact_result) NAME(force)(const struct NAME(law) * la
 
 LANES_INLINE double NAME(sum)(real x)
 {
-#if SINGLE
     f64 part[PARTS];
-    f32_widen(x, part);
+    REAL(widen)(x, part);
     for (int h = 1; h < PARTS; h++)
         part[0] = part[0] + part[h];
     return f64_sum(part[0]);
-#else
-    return f64_sum(x);
-#endif
 }
 
 /* Adds the sums as energies [J]. Not inlined: it is not for every set. */

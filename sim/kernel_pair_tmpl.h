@@ -21,11 +21,11 @@ LANES_INLINE struct NAME(other) NAME(other)(const struct particles *p, const uin
         to.v[c] = block[DIM + c];
     }
 #if FRICTIONAL && DIM == 2
-    to.omega[0] = f32_gather(p->view_omega[0], row, RECORD_STRIDE(2, 1, 1));
+    to.omega[0] = f32_gather((const float *)p->view_omega[0], row, RECORD_STRIDE(2, 1, 1));
 #elif FRICTIONAL
     to.omega[0] = block[6];
     to.omega[1] = block[7];
-    to.omega[2] = f32_gather(p->view_omega[2], row, RECORD_STRIDE(3, 1, 1));
+    to.omega[2] = f32_gather((const float *)p->view_omega[2], row, RECORD_STRIDE(3, 1, 1));
 #endif
 #else
     const double *record = p->record;
@@ -58,20 +58,14 @@ LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, size_t f
     for (int c = 0; c < DIM; c++) {
 #if SINGLE
         to.x[c] = f32_load((const float *)p->view_u[c] + first);
-        to.v[c] = f32_load(p->view_v[c] + first);
 #else
         to.x[c] = f64_load(p->x[c] + first);
-        to.v[c] = f64_load(p->v[c] + first);
 #endif
+        to.v[c] = real_load((const scalar *)p->view_v[c] + first);
     }
 #if FRICTIONAL
-    for (int c = 0; c < SPRINGS; c++) {
-#if SINGLE
-        to.omega[c] = f32_load(p->view_omega[c] + first);
-#else
-        to.omega[c] = f64_load(p->omega[c] + first);
-#endif
-    }
+    for (int c = 0; c < SPRINGS; c++)
+        to.omega[c] = real_load((const scalar *)p->view_omega[c] + first);
 #endif
     return to;
 }
@@ -105,7 +99,7 @@ LANES_INLINE struct NAME(meeting)
         at.g[c] = i.v[c] - j.v[c];
 #if FRICTIONAL
 #if SINGLE
-    real a_i = f32_load(p->view_radius + first), a_j = at.inverse - a_i;
+    real a_i = f32_load((const float *)p->view_radius + first), a_j = at.inverse - a_i;
 #else
     real a_i = f64_load(p->radius + first), a_j = at.inverse - a_i;
 #endif
@@ -399,11 +393,7 @@ LANES_INLINE void NAME(add_wall)(void *force, const struct wall *wall, size_t k,
     for (int c = 1; c < DIM; c++)
         onto = c == wall->axis ? result.force[c] : onto;
     f64 part[PARTS];
-#if SINGLE
-    f32_widen(onto, part);
-#else
-    part[0] = onto;
-#endif
+    REAL(widen)(onto, part);
     for (int h = 0; h < PARTS; h++) {
         double *column = columns + k % SET_WIDTH + h * F64_LANES;
         f64_store(column, f64_load(column) + part[h]);

@@ -9,7 +9,6 @@
 typedef __m256d f64;
 typedef __m256d f64_mask;
 typedef __m256 f32;
-typedef __m128 f32h;
 typedef __m256 f32_mask;
 
 #define LANES_INLINE static inline __attribute__((always_inline))
@@ -37,14 +36,6 @@ LANES_INLINE void f64_store(double *to, f64 x)
 LANES_INLINE void f32_store(float *to, f32 x)
 {
     _mm256_storeu_ps(to, x);
-}
-LANES_INLINE void f32h_store(float *to, f32h x)
-{
-    _mm_storeu_ps(to, x);
-}
-LANES_INLINE f32h f32h_load(const float *from)
-{
-    return _mm_loadu_ps(from);
 }
 LANES_INLINE f64_mask f64_greater(f64 a, f64 b)
 {
@@ -106,6 +97,10 @@ LANES_INLINE bool f64_mask_all(f64_mask m)
 {
     return _mm256_movemask_pd(m) == 0xf;
 }
+LANES_INLINE bool f32_mask_all(f32_mask m)
+{
+    return _mm256_movemask_ps(m) == 0xff;
+}
 LANES_INLINE f64 f64_fma(f64 a, f64 b, f64 c)
 {
     return _mm256_fmadd_pd(a, b, c);
@@ -127,26 +122,26 @@ LANES_INLINE double f64_sum(f64 x)
     __m128d two = _mm_add_pd(_mm256_castpd256_pd128(x), _mm256_extractf128_pd(x, 1));
     return _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)));
 }
-LANES_INLINE f32h f64_narrow(f64 x)
-{
-    return _mm256_cvtpd_ps(x);
-}
-LANES_INLINE f64 f32h_widen(f32h x)
-{
-    return _mm256_cvtps_pd(x);
-}
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {
     part[0] = _mm256_cvtps_pd(_mm256_castps256_ps128(x));
     part[1] = _mm256_cvtps_pd(_mm256_extractf128_ps(x, 1));
 }
-LANES_INLINE f32h f64_fixed(f64 x)
+LANES_INLINE f32 f32_narrow(const f64 *part)
 {
-    return _mm_castsi128_ps(_mm256_cvtpd_epi32(x));
+    return _mm256_set_m128(_mm256_cvtpd_ps(part[1]), _mm256_cvtpd_ps(part[0]));
+}
+LANES_INLINE f32 f32_fixed(const f64 *part)
+{
+    return _mm256_castsi256_ps(_mm256_set_m128i(_mm256_cvtpd_epi32(part[1]), _mm256_cvtpd_epi32(part[0])));
 }
 LANES_INLINE f32 f32_all_integers(int32_t integer)
 {
     return _mm256_castsi256_ps(_mm256_set1_epi32(integer));
+}
+LANES_INLINE f32 f32_of_integers(f32 bits)
+{
+    return _mm256_cvtepi32_ps(_mm256_castps_si256(bits));
 }
 LANES_INLINE f32 f32_of_difference(f32 a, f32 b)
 {
@@ -227,22 +222,6 @@ LANES_INLINE void f64_store4(double *to, int stride, const f64 *column)
     for (int r = 0; r < 4; r++)
         _mm256_storeu_pd(to + stride * r, row[r]);
 }
-LANES_INLINE void lanes_store_quads(float *to, int stride, const f32h *column)
-{
-    f32h row[4] = {column[0], column[1], column[2], column[3]};
-    _MM_TRANSPOSE4_PS(row[0], row[1], row[2], row[3]);
-    for (int r = 0; r < 4; r++)
-        _mm_storeu_ps(to + stride * r, row[r]);
-}
-LANES_INLINE void f32h_store4(float *to, const f32h *column)
-{
-    lanes_store_quads(to, 4, column);
-}
-LANES_INLINE void f32h_store8(float *to, const f32h *column)
-{
-    lanes_store_quads(to, 8, column);
-    lanes_store_quads(to + 4, 8, column + 4);
-}
 LANES_INLINE void f64_load2(const double *from, f64 *column)
 {
     f64 a = _mm256_loadu_pd(from), b = _mm256_loadu_pd(from + 4);
@@ -250,26 +229,49 @@ LANES_INLINE void f64_load2(const double *from, f64 *column)
     column[0] = _mm256_unpacklo_pd(front, back);
     column[1] = _mm256_unpackhi_pd(front, back);
 }
-LANES_INLINE void lanes_load_quads(const float *from, int stride, f32h *column)
+LANES_INLINE void f32_load2(const float *from, f32 *column)
 {
+    f32 a = _mm256_loadu_ps(from), b = _mm256_loadu_ps(from + 8); /* rows 0 1 | 2 3 and 4 5 | 6 7 */
+    f32 front = _mm256_permute2f128_ps(a, b, 0x20), back = _mm256_permute2f128_ps(a, b, 0x31);
+    f32 even = _mm256_shuffle_ps(front, back, 0x88), odd = _mm256_shuffle_ps(front, back, 0xdd);
+    column[0] = even;
+    column[1] = odd;
+}
+/* Columns of 4 of rows that are `stride` apart; and rows from columns. */
+LANES_INLINE void lanes_load_quads(const float *from, int stride, f32 *column)
+{
+    f32 rows[4];
     for (int r = 0; r < 4; r++)
-        column[r] = _mm_loadu_ps(from + stride * r);
-    _MM_TRANSPOSE4_PS(column[0], column[1], column[2], column[3]);
+        rows[r] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(from + stride * r)),
+                                       _mm_loadu_ps(from + stride * (4 + r)), 1);
+    lanes_halves(rows, column);
 }
-LANES_INLINE void f32h_load2(const float *from, f32h *column)
+LANES_INLINE void lanes_store_quads(float *to, int stride, const f32 *column)
 {
-    f32h a = _mm_loadu_ps(from), b = _mm_loadu_ps(from + 4);
-    column[0] = _mm_shuffle_ps(a, b, 0x88);
-    column[1] = _mm_shuffle_ps(a, b, 0xdd);
+    f32 rows[4];
+    lanes_halves(column, rows);
+    for (int r = 0; r < 4; r++) {
+        _mm_storeu_ps(to + stride * r, _mm256_castps256_ps128(rows[r]));
+        _mm_storeu_ps(to + stride * (4 + r), _mm256_extractf128_ps(rows[r], 1));
+    }
 }
-LANES_INLINE void f32h_load4(const float *from, f32h *column)
+LANES_INLINE void f32_load4(const float *from, f32 *column)
 {
     lanes_load_quads(from, 4, column);
 }
-LANES_INLINE void f32h_load8(const float *from, f32h *column)
+LANES_INLINE void f32_load8(const float *from, f32 *column)
 {
     lanes_load_quads(from, 8, column);
     lanes_load_quads(from + 4, 8, column + 4);
+}
+LANES_INLINE void f32_store4(float *to, const f32 *column)
+{
+    lanes_store_quads(to, 4, column);
+}
+LANES_INLINE void f32_store8(float *to, const f32 *column)
+{
+    lanes_store_quads(to, 8, column);
+    lanes_store_quads(to + 4, 8, column + 4);
 }
 LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)
 {

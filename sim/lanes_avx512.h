@@ -9,7 +9,6 @@
 typedef __m512d f64;
 typedef __mmask8 f64_mask;
 typedef __m512 f32;
-typedef __m256 f32h;
 typedef __mmask16 f32_mask;
 
 #define LANES_INLINE static inline __attribute__((always_inline))
@@ -37,14 +36,6 @@ LANES_INLINE void f64_store(double *to, f64 x)
 LANES_INLINE void f32_store(float *to, f32 x)
 {
     _mm512_storeu_ps(to, x);
-}
-LANES_INLINE void f32h_store(float *to, f32h x)
-{
-    _mm256_storeu_ps(to, x);
-}
-LANES_INLINE f32h f32h_load(const float *from)
-{
-    return _mm256_loadu_ps(from);
 }
 LANES_INLINE f64_mask f64_greater(f64 a, f64 b)
 {
@@ -106,6 +97,10 @@ LANES_INLINE bool f64_mask_all(f64_mask m)
 {
     return m == 0xff;
 }
+LANES_INLINE bool f32_mask_all(f32_mask m)
+{
+    return m == 0xffff;
+}
 LANES_INLINE f64 f64_fma(f64 a, f64 b, f64 c)
 {
     return _mm512_fmadd_pd(a, b, c);
@@ -128,26 +123,31 @@ LANES_INLINE double f64_sum(f64 x)
     __m128d two = _mm_add_pd(_mm256_castpd256_pd128(four), _mm256_extractf128_pd(four, 1));
     return _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)));
 }
-LANES_INLINE f32h f64_narrow(f64 x)
-{
-    return _mm512_cvtpd_ps(x);
-}
-LANES_INLINE f64 f32h_widen(f32h x)
-{
-    return _mm512_cvtps_pd(x);
-}
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {
     part[0] = _mm512_cvtps_pd(_mm512_castps512_ps256(x));
     part[1] = _mm512_cvtps_pd(_mm512_extractf32x8_ps(x, 1));
 }
-LANES_INLINE f32h f64_fixed(f64 x)
+LANES_INLINE f32 lanes_join(__m256 low, __m256 high)
 {
-    return _mm256_castsi256_ps(_mm512_cvtpd_epi32(x));
+    return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+}
+LANES_INLINE f32 f32_narrow(const f64 *part)
+{
+    return lanes_join(_mm512_cvtpd_ps(part[0]), _mm512_cvtpd_ps(part[1]));
+}
+LANES_INLINE f32 f32_fixed(const f64 *part)
+{
+    return lanes_join(_mm256_castsi256_ps(_mm512_cvtpd_epi32(part[0])),
+                      _mm256_castsi256_ps(_mm512_cvtpd_epi32(part[1])));
 }
 LANES_INLINE f32 f32_all_integers(int32_t integer)
 {
     return _mm512_castsi512_ps(_mm512_set1_epi32(integer));
+}
+LANES_INLINE f32 f32_of_integers(f32 bits)
+{
+    return _mm512_cvtepi32_ps(_mm512_castps_si512(bits));
 }
 LANES_INLINE f32 f32_of_difference(f32 a, f32 b)
 {
@@ -268,63 +268,71 @@ LANES_INLINE void f64_load2(const double *from, f64 *column)
     column[0] = _mm512_permutex2var_pd(a, even, b);
     column[1] = _mm512_permutex2var_pd(a, odd, b);
 }
-/* Columns of eight rows of 4 floats, of which `a` has the first four: as two registers of two columns each. */
-LANES_INLINE void lanes_columns4(f32 a, f32 b, f32h *column)
+LANES_INLINE void f32_load2(const float *from, f32 *column)
+{
+    const __m512i even = _mm512_set_epi32(30, 28, 26, 24, 22, 20, 18, 16, 14, 12, 10, 8, 6, 4, 2, 0),
+                  odd = _mm512_set_epi32(31, 29, 27, 25, 23, 21, 19, 17, 15, 13, 11, 9, 7, 5, 3, 1);
+    f32 a = _mm512_loadu_ps(from), b = _mm512_loadu_ps(from + 16);
+    column[0] = _mm512_permutex2var_ps(a, even, b);
+    column[1] = _mm512_permutex2var_ps(a, odd, b);
+}
+/* Columns of sixteen rows of 4 floats, of which each register has four. */
+LANES_INLINE void lanes_columns4(const f32 *rows, f32 *column)
 {
     const __m512i first = _mm512_set_epi32(29, 25, 21, 17, 13, 9, 5, 1, 28, 24, 20, 16, 12, 8, 4, 0),
                   second = _mm512_set_epi32(31, 27, 23, 19, 15, 11, 7, 3, 30, 26, 22, 18, 14, 10, 6, 2);
-    f32 front = _mm512_permutex2var_ps(a, first, b), back = _mm512_permutex2var_ps(a, second, b);
-    column[0] = _mm512_castps512_ps256(front);
-    column[1] = _mm512_extractf32x8_ps(front, 1);
-    column[2] = _mm512_castps512_ps256(back);
-    column[3] = _mm512_extractf32x8_ps(back, 1);
+    for (int c = 0; c < 4; c += 2) {
+        f32 low = _mm512_permutex2var_ps(rows[0], c ? second : first, rows[1]);
+        f32 high = _mm512_permutex2var_ps(rows[2], c ? second : first, rows[3]);
+        column[c] = _mm512_shuffle_f32x4(low, high, 0x44);
+        column[c + 1] = _mm512_shuffle_f32x4(low, high, 0xee);
+    }
 }
-LANES_INLINE void f32h_load2(const float *from, f32h *column)
+/* The inverse. */
+LANES_INLINE void lanes_rows_of_4(const f32 *column, f32 *rows)
 {
-    const __m512i order = _mm512_set_epi32(15, 13, 11, 9, 7, 5, 3, 1, 14, 12, 10, 8, 6, 4, 2, 0);
-    f32 columns = _mm512_permutexvar_ps(order, _mm512_loadu_ps(from));
-    column[0] = _mm512_castps512_ps256(columns);
-    column[1] = _mm512_extractf32x8_ps(columns, 1);
+    const __m512i low = _mm512_set_epi32(23, 7, 22, 6, 21, 5, 20, 4, 19, 3, 18, 2, 17, 1, 16, 0),
+                  high = _mm512_set_epi32(31, 15, 30, 14, 29, 13, 28, 12, 27, 11, 26, 10, 25, 9, 24, 8);
+    const __m512i front = _mm512_set_epi64(11, 3, 10, 2, 9, 1, 8, 0), back = _mm512_set_epi64(15, 7, 14, 6, 13, 5, 12, 4);
+    for (int h = 0; h < 2; h++) { /* eight rows each */
+        f64 first = _mm512_castps_pd(_mm512_permutex2var_ps(column[0], h ? high : low, column[1]));
+        f64 second = _mm512_castps_pd(_mm512_permutex2var_ps(column[2], h ? high : low, column[3]));
+        rows[2 * h] = _mm512_castpd_ps(_mm512_permutex2var_pd(first, front, second));
+        rows[2 * h + 1] = _mm512_castpd_ps(_mm512_permutex2var_pd(first, back, second));
+    }
 }
-LANES_INLINE void f32h_load4(const float *from, f32h *column)
+LANES_INLINE void f32_load4(const float *from, f32 *column)
 {
-    lanes_columns4(_mm512_loadu_ps(from), _mm512_loadu_ps(from + 16), column);
-}
-LANES_INLINE void f32h_load8(const float *from, f32h *column)
-{
-    f32 z[4];
+    f32 rows[4];
     for (int r = 0; r < 4; r++)
-        z[r] = _mm512_loadu_ps(from + 16 * r);
-    lanes_columns4(_mm512_shuffle_f32x4(z[0], z[1], 0x88), _mm512_shuffle_f32x4(z[2], z[3], 0x88), column);
-    lanes_columns4(_mm512_shuffle_f32x4(z[0], z[1], 0xdd), _mm512_shuffle_f32x4(z[2], z[3], 0xdd), column + 4);
+        rows[r] = _mm512_loadu_ps(from + 16 * r);
+    lanes_columns4(rows, column);
 }
-LANES_INLINE f32 lanes_join(f32h low, f32h high)
+LANES_INLINE void f32_load8(const float *from, f32 *column)
 {
-    return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+    f32 front[4], back[4];
+    for (int r = 0; r < 4; r++) {
+        f32 a = _mm512_loadu_ps(from + 32 * r), b = _mm512_loadu_ps(from + 32 * r + 16);
+        front[r] = _mm512_shuffle_f32x4(a, b, 0x88);
+        back[r] = _mm512_shuffle_f32x4(a, b, 0xdd);
+    }
+    lanes_columns4(front, column);
+    lanes_columns4(back, column + 4);
 }
-/* Eight rows of four floats from their columns, four rows a register. */
-LANES_INLINE void lanes_rows_of_4(const f32h *column, f32 *rows)
+LANES_INLINE void f32_store4(float *to, const f32 *column)
 {
-    const __m512i front = _mm512_set_epi32(27, 19, 11, 3, 26, 18, 10, 2, 25, 17, 9, 1, 24, 16, 8, 0),
-                  back = _mm512_set_epi32(31, 23, 15, 7, 30, 22, 14, 6, 29, 21, 13, 5, 28, 20, 12, 4);
-    f32 low = lanes_join(column[0], column[1]), high = lanes_join(column[2], column[3]);
-    rows[0] = _mm512_permutex2var_ps(low, front, high);
-    rows[1] = _mm512_permutex2var_ps(low, back, high);
-}
-LANES_INLINE void f32h_store4(float *to, const f32h *column)
-{
-    f32 rows[2];
+    f32 rows[4];
     lanes_rows_of_4(column, rows);
-    _mm512_storeu_ps(to, rows[0]);
-    _mm512_storeu_ps(to + 16, rows[1]);
+    for (int r = 0; r < 4; r++)
+        _mm512_storeu_ps(to + 16 * r, rows[r]);
 }
-LANES_INLINE void f32h_store8(float *to, const f32h *column)
+LANES_INLINE void f32_store8(float *to, const f32 *column)
 {
     const __m512i even = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0), odd = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
-    f32 front[2], back[2];
+    f32 front[4], back[4];
     lanes_rows_of_4(column, front);
     lanes_rows_of_4(column + 4, back);
-    for (int r = 0; r < 2; r++) {
+    for (int r = 0; r < 4; r++) {
         f64 a = _mm512_castps_pd(front[r]), b = _mm512_castps_pd(back[r]);
         _mm512_storeu_pd(to + 32 * r, _mm512_permutex2var_pd(a, even, b));
         _mm512_storeu_pd(to + 32 * r + 16, _mm512_permutex2var_pd(a, odd, b));

@@ -35,6 +35,16 @@
 #define real_smaller  REAL(smaller)
 #define real_fma      REAL(fma)
 
+/* As of f32: one part is all. */
+LANES_INLINE void f64_widen(f64 x, f64 *part)
+{
+    part[0] = x;
+}
+LANES_INLINE f64 f64_narrow(const f64 *part)
+{
+    return part[0];
+}
+
 /* 1/sqrt(x) to about one unit in the last place: the seed is right to 1e-7, and the step's error is of third order.
  * The same bits in every instruction set, and much cheaper than square root and division in double. */
 LANES_INLINE f64 lanes_rsqrt(f64 x, f64 seed)

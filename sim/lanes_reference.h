@@ -1,6 +1,5 @@
 /* One contact or particle at a time, in plain C: the reference of the vector kernels, and what runs on a CPU without
- * them. Names: f64 and f32 are vectors of double and float, f32h as many floats as an f64 has doubles. A row is where a
- * record starts, in doubles. */
+ * them. Names: f64 and f32 are vectors of double and float. A row is where a record starts, in doubles. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -11,7 +10,7 @@
 #define F32_LANES 1
 typedef double f64;
 typedef int f64_mask;
-typedef float f32, f32h;
+typedef float f32;
 typedef int f32_mask;
 
 #define LANES_INLINE static inline __attribute__((always_inline))
@@ -39,14 +38,6 @@ LANES_INLINE void f64_store(double *to, f64 x)
 LANES_INLINE void f32_store(float *to, f32 x)
 {
     *to = x;
-}
-LANES_INLINE void f32h_store(float *to, f32h x)
-{
-    *to = x;
-}
-LANES_INLINE f32h f32h_load(const float *from)
-{
-    return *from;
 }
 LANES_INLINE f64_mask f64_greater(f64 a, f64 b)
 {
@@ -108,6 +99,10 @@ LANES_INLINE bool f64_mask_all(f64_mask m)
 {
     return m != 0;
 }
+LANES_INLINE bool f32_mask_all(f32_mask m)
+{
+    return m != 0;
+}
 /* a b + c with one rounding. */
 LANES_INLINE f64 f64_fma(f64 a, f64 b, f64 c)
 {
@@ -130,18 +125,15 @@ LANES_INLINE double f64_sum(f64 x)
 {
     return x;
 }
-LANES_INLINE f32h f64_narrow(f64 x)
-{
-    return (float)x;
-}
-LANES_INLINE f64 f32h_widen(f32h x)
-{
-    return x;
-}
 /* F32_LANES/F64_LANES f64 from an f32. */
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {
     part[0] = x;
+}
+/* And back. */
+LANES_INLINE f32 f32_narrow(const f64 *part)
+{
+    return (float)part[0];
 }
 LANES_INLINE int32_t lanes_integer(float bits)
 {
@@ -149,12 +141,13 @@ LANES_INLINE int32_t lanes_integer(float bits)
     memcpy(&integer, &bits, sizeof integer);
     return integer;
 }
-/* Integers in a float's place: the nearest to x (even if it is between two; INT32_MIN if x has none), the same in every
- * lane, and the difference of two. */
-LANES_INLINE f32h f64_fixed(f64 x)
+/* Integers in a float's place: the nearest (even if it is between two; INT32_MIN if there is none), the same in every
+ * lane, as floats, and the difference of two. */
+LANES_INLINE f32 f32_fixed(const f64 *part)
 {
+    const double x = part[0];
     int32_t integer = x > -2147483649.0 && x < 2147483647.5 ? (int32_t)nearbyint(x) : INT32_MIN;
-    f32h bits;
+    f32 bits;
     memcpy(&bits, &integer, sizeof bits);
     return bits;
 }
@@ -163,6 +156,10 @@ LANES_INLINE f32 f32_all_integers(int32_t integer)
     f32 bits;
     memcpy(&bits, &integer, sizeof bits);
     return bits;
+}
+LANES_INLINE f32 f32_of_integers(f32 bits)
+{
+    return (float)lanes_integer(bits);
 }
 LANES_INLINE f32 f32_of_difference(f32 a, f32 b)
 {
@@ -200,34 +197,32 @@ LANES_INLINE void f64_store4(double *to, int stride, const f64 *column)
     for (int c = 0; c < 4; c++)
         to[c] = column[c];
 }
-LANES_INLINE void f32h_store4(float *to, const f32h *column)
-{
-    memcpy(to, column, 4 * sizeof *column);
-}
-LANES_INLINE void f32h_store8(float *to, const f32h *column)
-{
-    memcpy(to, column, 8 * sizeof *column);
-}
-/* Columns of F64_LANES consecutive records of 2 doubles, of 2, 4 or 8 floats. */
+/* Columns of consecutive records of 2 doubles. */
 LANES_INLINE void f64_load2(const double *from, f64 *column)
 {
     column[0] = from[0];
     column[1] = from[1];
 }
-LANES_INLINE void f32h_load2(const float *from, f32h *column)
+/* Columns of F32_LANES consecutive records of 2, 4 or 8 floats, and records from columns. */
+LANES_INLINE void f32_load2(const float *from, f32 *column)
 {
-    column[0] = from[0];
-    column[1] = from[1];
+    memcpy(column, from, 2 * sizeof *column);
 }
-LANES_INLINE void f32h_load4(const float *from, f32h *column)
+LANES_INLINE void f32_load4(const float *from, f32 *column)
 {
-    for (int c = 0; c < 4; c++)
-        column[c] = from[c];
+    memcpy(column, from, 4 * sizeof *column);
 }
-LANES_INLINE void f32h_load8(const float *from, f32h *column)
+LANES_INLINE void f32_load8(const float *from, f32 *column)
 {
-    for (int c = 0; c < 8; c++)
-        column[c] = from[c];
+    memcpy(column, from, 8 * sizeof *column);
+}
+LANES_INLINE void f32_store4(float *to, const f32 *column)
+{
+    memcpy(to, column, 4 * sizeof *column);
+}
+LANES_INLINE void f32_store8(float *to, const f32 *column)
+{
+    memcpy(to, column, 8 * sizeof *column);
 }
 /* Where the sums of a particle are whose record starts at `row`, `unit` bytes for each double of a record. */
 LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)

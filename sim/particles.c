@@ -36,20 +36,21 @@ static int paddings(const struct particles *p)
 static enum status records_init(struct particles *p)
 {
     const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->single);
+    const size_t real = p->single ? sizeof(float) : sizeof(double);
     p->n_rows = (p->count + ARRAY_PADDING - 1) / ARRAY_PADDING * ARRAY_PADDING + paddings(p) * ARRAY_PADDING;
     TRY(array_resize(&p->record, stride * sizeof(double), (size_t)p->n_rows, 0));
     TRY(array_resize(&p->force, 1, particles_force_size(p), 0));
-    for (int c = 0; p->single && c < p->dimension; c++) {
+    for (int c = 0; p->single && c < p->dimension; c++)
         TRY(array_resize(&p->view_u[c], sizeof(int32_t), (size_t)p->n_rows, 0));
-        TRY(array_resize(&p->view_v[c], sizeof(float), (size_t)p->n_rows, 0));
-    }
-    for (int c = 0; p->single && c < p->n_rotations; c++)
-        TRY(array_resize(&p->view_omega[c], sizeof(float), (size_t)p->n_rows, 0));
+    for (int c = 0; c < p->dimension; c++)
+        TRY(array_resize(&p->view_v[c], real, (size_t)p->n_rows, 0));
+    for (int c = 0; c < p->n_rotations; c++)
+        TRY(array_resize(&p->view_omega[c], real, (size_t)p->n_rows, 0));
     for (int k = 0; !p->single && k < paddings(p); k++)
         ((double *)p->record)[(size_t)particles_own_padding(p, k) * stride] = 1e9; /* its first coordinate [m] */
-    if (!p->single)
-        return STATUS_OK;
-    TRY(array_resize(&p->view_radius, sizeof(float), (size_t)p->count, 0));
+    TRY(array_resize(&p->view_inv_mass, real, (size_t)p->count, 0));
+    TRY(array_resize(&p->view_minus_lever, real, (size_t)p->count, 0));
+    TRY(array_resize(&p->view_radius, real, (size_t)p->count, 0));
     particles_set_views(p, 0);
     return STATUS_OK;
 }
@@ -100,6 +101,8 @@ void particles_free(struct particles *p)
     }
     free(p->id);
     free(p->slot);
+    free(p->view_inv_mass);
+    free(p->view_minus_lever);
     free(p->view_radius);
     free(p->record);
     free(p->force);
@@ -110,13 +113,35 @@ void particles_free(struct particles *p)
     memset(p, 0, sizeof *p);
 }
 
+static void view(const struct particles *p, void *array, int i, double value)
+{
+    if (p->single)
+        ((float *)array)[i] = (float)value;
+    else
+        ((double *)array)[i] = value;
+}
+
 void particles_set_views(struct particles *p, double skin)
 {
     int exponent = 0;
     (void)frexp(skin > 0 ? skin : 1, &exponent);
     p->quantum = ldexp(1, exponent - 29);
+    for (int i = 0; i < p->count; i++) {
+        view(p, p->view_inv_mass, i, p->inv_mass[i]);
+        view(p, p->view_radius, i, p->radius[i]);
+        if (p->n_rotations)
+            view(p, p->view_minus_lever, i, -p->radius[i] * p->inv_inertia[i]);
+    }
+}
+
+void particles_set_home(struct particles *p)
+{
+    const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), true);
+    const size_t bytes = (size_t)p->dimension * sizeof(int32_t);
+    for (int c = 0; p->single && c < p->dimension; c++)
+        memset(p->view_u[c], 0, (size_t)p->count * sizeof(int32_t));
     for (int i = 0; p->single && i < p->count; i++)
-        p->view_radius[i] = (float)p->radius[i];
+        memset((double *)p->record + (size_t)i * stride, 0, bytes);
 }
 
 void particles_listed(struct particles *p, double skin)
@@ -124,6 +149,7 @@ void particles_listed(struct particles *p, double skin)
     for (int c = 0; c < p->dimension; c++)
         memcpy(p->x_list[c], p->x[c], (size_t)p->count * sizeof(double));
     particles_set_views(p, skin);
+    particles_set_home(p);
 }
 
 void particles_set_inverse(struct particles *p)

@@ -17,9 +17,9 @@ struct particles {
     int32_t *id;      /* [count] name of the particle in each slot; all else here is by slot (renumber.h) */
     int32_t *slot;    /* [count] and the slot of each id */
     double *x[3];     /* [count] m; what is state goes into renumber.c too */
-    double *v[3];     /* m/s; between drift and kick the predicted velocity */
-    double *a[3];     /* m/s^2, of the last complete step */
-    double *omega[3]; /* rad/s; predicted like v */
+    double *v[3];     /* m/s; between drift and kick that at the middle of the step */
+    double *a[3];     /* m/s^2, when the step is complete */
+    double *omega[3]; /* rad/s; like v */
     double *alpha[3]; /* rad/s^2 */
     double *radius;   /* m */
     double *mass;     /* kg */
@@ -31,8 +31,11 @@ struct particles {
     void *record;        /* [n_rows][RECORD_STRIDE] what contacts need, side by side; made by drift */
     void *force;         /* sums of contact forces [N] and of moments n x f_t [N]: below; zeroed by kick */
     double quantum;      /* single: the unit of u [m] */
-    int32_t *view_u[3];  /* single: u, and floats of the arrays above; [n_rows], made by drift */
-    float *view_v[3], *view_omega[3], *view_radius;
+    /* As the contacts have them, double or float: */
+    void *view_v[3]; /* [n_rows] predicted velocities, made by drift */
+    void *view_omega[3];
+    int32_t *view_u[3];                                       /* [n_rows] single: u; made by drift */
+    void *view_inv_mass, *view_minus_lever, *view_radius; /* [count] minus_lever: -a/I */
 };
 
 /* Records, in doubles. 2D: [x0 x1 v0 v1], with friction [omega - - -]; 3D: [x0 x1 x2 -][v0 v1 v2 -], with friction
@@ -68,9 +71,12 @@ size_t particles_force_size(const struct particles *particles);
 /* Mass of a sphere [LH, D], also in 2D, and the moment of inertia (2/5) m a^2, from radius and density. */
 void particles_set_mass(struct particles *particles, double density_kg_per_m3);
 
-/* The lists are built for the positions as they are: x_list, and the quantum, so that u has room for 4 skins. Records
- * are to be made anew (drift). */
+/* The lists are built for the positions as they are: x_list, and the quantum, so that u has room for 4 skins. The
+ * records say so too. */
 void particles_listed(struct particles *particles, double skin_m);
+
+/* Single: the records and views say that every particle is where it was listed. */
+void particles_set_home(struct particles *particles);
 
 /* Single: the quantum for lists of this skin, and radii in float. */
 void particles_set_views(struct particles *particles, double skin_m);
