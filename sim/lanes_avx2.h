@@ -298,15 +298,19 @@ LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
         _mm256_storeu_pd(to, _mm256_loadu_pd(to) + rows[r]);
     }
 }
+LANES_INLINE void lanes_add_row2(void *base, uint32_t row, int unit, __m128 add)
+{
+    float *to = lanes_sums(base, row, unit);
+    _mm_storeu_si64(to, _mm_castps_si128(_mm_castsi128_ps(_mm_loadu_si64(to)) + add));
+}
+/* Of the sums only the lower halves are kept. */
 LANES_INLINE void f32_add2(void *base, const uint32_t *row, int unit, const f32 *column)
 {
-    float buffer[2][8] __attribute__((aligned(32)));
-    _mm256_store_ps(buffer[0], _mm256_unpacklo_ps(column[0], column[1])); /* rows 0 1 | 4 5 */
-    _mm256_store_ps(buffer[1], _mm256_unpackhi_ps(column[0], column[1]));
-    for (int r = 0; r < 8; r++) {
-        float *to = lanes_sums(base, row[r], unit);
-        __m128 add = _mm_castsi128_ps(_mm_loadu_si64(&buffer[(r & 2) / 2][(r & 4) + 2 * (r & 1)]));
-        _mm_storeu_si64(to, _mm_castps_si128(_mm_castsi128_ps(_mm_loadu_si64(to)) + add));
+    const f32 pairs[2] = {_mm256_unpacklo_ps(column[0], column[1]), _mm256_unpackhi_ps(column[0], column[1])};
+    for (int q = 0; q < 4; q++) { /* rows 2q and 2q + 1 */
+        __m128 two = q < 2 ? _mm256_castps256_ps128(pairs[q]) : _mm256_extractf128_ps(pairs[q - 2], 1);
+        lanes_add_row2(base, row[2 * q], unit, two);
+        lanes_add_row2(base, row[2 * q + 1], unit, _mm_movehl_ps(two, two));
     }
 }
 LANES_INLINE void f32_add4(void *base, const uint32_t *row, int unit, const f32 *column)
