@@ -2,6 +2,7 @@
  * [dimension - 2][hysteretic][frictional][single]. */
 enum {
     CHUNK = 8,         /* sets that go through a kernel's parts together */
+    ASK_AHEAD = 8,     /* sets, of what the caches do not hold */
     CLOSE_EVERY = 1024 /* slots: sums in float stay short */
 };
 

@@ -70,14 +70,14 @@ LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, size_t f
     return to;
 }
 
-/* First part of a set of pairs: what the law wants to know of them but for the root of the distance, for which the
- * reach is in the place of `inverse` and, single, reach^2 - d^2 in that of delta. */
+/* First part of LANES pairs of a set, from its slot l on: what the law wants to know of them but for the root of the
+ * distance, for which the reach is in the place of `inverse` and, single, reach^2 - d^2 in that of delta. */
 LANES_INLINE struct NAME(meeting)
-    NAME(approach)(const struct particles *p, const struct contact_slots *slots, scalar quantum, size_t k)
+    NAME(approach)(const struct particles *p, const struct contact_slots *slots, scalar quantum, size_t set, size_t l)
 {
     struct NAME(meeting) at;
+    const size_t k = set * SET_WIDTH + l, first = slots->first[set] + l;
     at.inverse = real_load((const scalar *)slots->reach + k);
-    const size_t first = (size_t)slots->first[k / SET_WIDTH] + k % SET_WIDTH;
     const struct NAME(other) i = NAME(beside)(p, first), j = NAME(other)(p, slots->row + k);
 #if SINGLE
     /* d = D + q (u_i - u_j), D at the last build; reach^2 - d^2 = (reach^2 - D^2) - (d + D)(d - D), of which nothing is
@@ -180,13 +180,13 @@ LANES_INLINE void NAME(add_rows)(void *force, const uint32_t *row, const struct 
 #undef ROW
 }
 
-/* Last part of a set: sums of the particles j, and of i, which are side by side. own: column of force 0, `rows` from
- * one to the next. */
-LANES_INLINE void NAME(add_pair)(void *force, scalar *own, int rows, const struct contact_slots *slots, size_t k,
-                                 const struct NAME(contact_result) * result)
+/* Last part: sums of the particles j, and of i, which are side by side. own: column of force 0, `rows` from one to the
+ * next. */
+LANES_INLINE void NAME(add_pair)(void *force, scalar *own, int rows, const struct contact_slots *slots, size_t set,
+                                 size_t l, const struct NAME(contact_result) * result)
 {
-    scalar *to = own + (size_t)slots->first[k / SET_WIDTH] + k % SET_WIDTH;
-    NAME(add_rows)(force, slots->row + k, result);
+    scalar *to = own + slots->first[set] + l;
+    NAME(add_rows)(force, slots->row + set * SET_WIDTH + l, result);
     for (int c = 0; c < DIM; c++, to += rows)
         real_store(to, real_load(to) - result->force[c]);
 #if FRICTIONAL
@@ -256,59 +256,83 @@ struct NAME(range) {
     struct NAME(law) law;
     const struct contact_law_constants *constants;
     scalar quantum;
-    size_t start, end; /* slots */
-    bool large;
+    size_t first, last; /* sets */
     void *force;
     scalar *own;
     struct contact_losses *losses;
 };
 
 #if DIM == 2 && !FRICTIONAL
-/* Few values are on their way here, and so registers hold them: set k + 2 is approached, roots are drawn for set k + 1,
- * the law is that of set k, and set k - 1 is added up. */
-LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, struct NAME(sums) * sums)
+/* Few values are on their way here, and so registers hold them: vector k + 2 is approached, roots are drawn for vector
+ * k + 1, the law is that of vector k, and vector k - 1 is added up; nothing, before the first one. */
+struct NAME(under_way) {
+    struct NAME(meeting) near, next;
+    struct NAME(contact_result) done;
+    size_t done_set, done_l;
+};
+
+LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, size_t set, size_t l, struct NAME(under_way) * way,
+                              struct NAME(sums) * sums)
 {
-    const size_t second = r->start + LANES < r->end ? r->start + LANES : r->start;
-    struct NAME(meeting) next = NAME(approach)(r->p, &r->slots, r->quantum, r->start);
-    struct NAME(meeting) near = NAME(approach)(r->p, &r->slots, r->quantum, second);
-    struct NAME(contact_result) done = {0};
-    NAME(root)(&next);
-    for (size_t k = r->start; k < r->end; k += LANES) {
-        struct NAME(memory) memory = NAME(memory_at)(&r->slots, k);
-        struct NAME(meeting) at = next;
-        next = near;
-        NAME(root)(&next);
-        if (r->large && k + CHUNK * LANES < r->end)
-            NAME(ask)(r->p, r->force, r->slots.row + k + CHUNK * LANES);
-        if (k + 2 * LANES < r->end)
-            near = NAME(approach)(r->p, &r->slots, r->quantum, k + 2 * LANES);
-        struct NAME(touch) touch = NAME(touch)(&r->law, &at, &memory, sums);
-        struct NAME(contact_result) result = NAME(force)(&r->law, &touch, &memory, sums);
-        if (k > r->start)
-            NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, k - LANES, &done);
-        if (SINGLE && (k - r->start) % CLOSE_EVERY == 0)
+    struct NAME(memory) memory = NAME(memory_at)(&r->slots, set * SET_WIDTH + l);
+    struct NAME(meeting) at = way->next;
+    const size_t ahead = l + 2 * LANES, set_ahead = set + ahead / SET_WIDTH;
+    way->next = way->near;
+    NAME(root)(&way->next);
+    if (set_ahead < r->last)
+        way->near = NAME(approach)(r->p, &r->slots, r->quantum, set_ahead, ahead % SET_WIDTH);
+    struct NAME(touch) touch = NAME(touch)(&r->law, &at, &memory, sums);
+    struct NAME(contact_result) result = NAME(force)(&r->law, &touch, &memory, sums);
+    NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, way->done_set, way->done_l, &way->done);
+    way->done = result;
+    way->done_set = set;
+    way->done_l = l;
+}
+
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, struct NAME(sums) * sums)
+{
+    enum { TOGETHER = CLOSE_EVERY / SET_WIDTH };
+    const bool one = LANES == SET_WIDTH && r->first + 1 == r->last; /* there is no second vector */
+    struct NAME(under_way) way = {.done_set = r->first};
+    for (int c = 0; c < DIM; c++)
+        way.done.force[c] = real_all(0.0);
+    way.next = NAME(approach)(r->p, &r->slots, r->quantum, r->first, 0);
+    way.near = NAME(approach)(r->p, &r->slots, r->quantum, r->first + (LANES == SET_WIDTH && !one), LANES % SET_WIDTH);
+    NAME(root)(&way.next);
+    for (size_t from = r->first, to; from < r->last; from = to) {
+        to = from + TOGETHER < r->last ? from + TOGETHER : r->last;
+        for (size_t set = from; set < to; set++) {
+            for (size_t l = 0; large && l < SET_WIDTH && set + ASK_AHEAD < r->last; l += LANES)
+                NAME(ask)(r->p, r->force, r->slots.row + (set + ASK_AHEAD) * SET_WIDTH + l);
+            for (size_t l = 0; l < SET_WIDTH; l += LANES)
+                NAME(go_on)(r, set, l, &way, sums);
+        }
+        if (SINGLE)
             NAME(sums_close)(sums, r->constants, r->losses);
-        done = result;
     }
-    NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, r->end - LANES, &done);
+    NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, way.done_set, way.done_l, &way.done);
 }
 #else
-LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, struct NAME(sums) * sums)
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, struct NAME(sums) * sums)
 {
     struct NAME(chunk) chunk;
-    for (size_t k = r->start; k < r->end; k += CHUNK * LANES) {
+    const size_t start = r->first * SET_WIDTH, end = r->last * SET_WIDTH;
+    for (size_t k = start; k < end; k += CHUNK * LANES) {
         const size_t second = k + CHUNK * LANES;
-        const int n = NAME(chunk_size)(k, r->end);
-        for (size_t next = second; r->large && next < r->end && next < second + CHUNK * LANES; next += LANES)
+        const int n = NAME(chunk_size)(k, end);
+        for (size_t next = second; large && next < end && next < second + CHUNK * LANES; next += LANES)
             NAME(ask)(r->p, r->force, r->slots.row + next);
         for (int m = 0; m < n; m++) {
-            chunk.at[m] = NAME(approach)(r->p, &r->slots, r->quantum, k + (size_t)m * LANES);
+            const size_t at = k + (size_t)m * LANES;
+            chunk.at[m] = NAME(approach)(r->p, &r->slots, r->quantum, at / SET_WIDTH, at % SET_WIDTH);
             NAME(root)(&chunk.at[m]);
         }
         NAME(laws)(&chunk, &r->law, &r->slots, k, n, sums);
-        for (int m = 0; m < n; m++)
-            NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, k + (size_t)m * LANES, &chunk.result[m]);
-        if (SINGLE && (k - r->start) % CLOSE_EVERY == 0)
+        for (int m = 0; m < n; m++) {
+            const size_t at = k + (size_t)m * LANES;
+            NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, at / SET_WIDTH, at % SET_WIDTH, &chunk.result[m]);
+        }
+        if (SINGLE && (k - start) % CLOSE_EVERY == 0)
             NAME(sums_close)(sums, r->constants, r->losses);
     }
 }
@@ -323,16 +347,18 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
                                       .law = NAME(law_of)(constants),
                                       .constants = constants,
                                       .quantum = (scalar)p->quantum,
-                                      .start = (size_t)first * SET_WIDTH,
-                                      .end = (size_t)last * SET_WIDTH,
+                                      .first = (size_t)first,
+                                      .last = (size_t)last,
                                       .force = force,
                                       .own = own,
-                                      .large = p->count >= PARTICLES_LARGE_SAMPLE,
                                       .losses = losses};
     struct NAME(sums) sums = {0};
     if (first >= last)
         return;
-    NAME(go_through)(&range, &sums);
+    if (p->count >= PARTICLES_LARGE_SAMPLE)
+        NAME(go_through)(&range, true, &sums);
+    else
+        NAME(go_through)(&range, false, &sums);
     NAME(sums_close)(&sums, constants, losses);
 }
 
