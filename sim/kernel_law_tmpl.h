@@ -257,22 +257,20 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
     const real_mask active = real_greater(at->delta, zero);
     for (int c = 0; c < DIM; c++)
         touch.n[c] = at->d[c] * at->inverse;
-    real u = real_where(active, NAME(inner)(at->g, touch.n)), loading = real_all(law->k1) * delta;
+    real u = real_where(active, NAME(inner)(at->g, touch.n));
     sums->normal = real_fma(u, u, sums->normal);
+    real elastic = real_all(law->k2) * delta;
 #if HYSTERETIC
-    /* [LH eq. 1.6]: loading k1 delta, un- and reloading k2 (delta - delta_0), adhesion branch -kc delta */
+    /* [LH eq. 1.6]: k2 (delta - delta_0) with k2 delta_0 = (k2 - k1) delta_max, where delta_max grows with delta (the
+     * branch k1 delta) and shrinks with it where the adhesion branch -kc delta would be left */
     real history = real_load(memory->history);
-    real unloading = real_fma(real_all(law->k2), delta, -real_all(law->k2_minus_k1) * history);
-    real adhesion = -real_all(law->kc) * delta;
-    real elastic = real_larger(adhesion, real_smaller(loading, unloading));
-    real moved = real_select(real_at_least(adhesion, unloading), real_all(law->branch_ratio) * delta, history);
-    real after = real_select(real_at_least(unloading, loading), delta, moved);
-    real change = (after - history) * (after + history);
-    sums->rise = sums->rise + real_larger(change, zero);
-    sums->fall = sums->fall + real_smaller(change, zero);
+    real after = real_larger(delta, real_smaller(history, real_all(law->branch_ratio) * delta));
+    real change = after - history, both = after + history;
+    sums->rise = real_fma(real_larger(change, zero), both, sums->rise);
+    sums->fall = real_fma(real_smaller(change, zero), both, sums->fall);
     real_store(memory->history, after);
+    elastic = real_fma(real_all(-law->k2_minus_k1), after, elastic);
 #else
-    real elastic = loading;
     (void)memory;
 #endif
     touch.pressing = real_fma(real_all(law->gamma_n), u, -elastic);

@@ -116,13 +116,15 @@ LANES_INLINE struct NAME(meeting)
 /* The root, and with it `inverse` and delta. */
 LANES_INLINE void NAME(root)(struct NAME(meeting) * at)
 {
-    const real reach = at->inverse, d2 = NAME(inner)(at->d, at->d);
+    const real reach = at->inverse;
 #if SINGLE
     /* delta = (reach^2 - d^2)/(reach + |d|) */
+    const real d2 = real_fma(reach, reach, -at->delta);
     real distance = f32_sqrt(d2), sum = reach + distance, both = real_all(1.0) / (distance * sum);
     at->inverse = both * sum;
     at->delta = at->delta * (both * distance);
 #else
+    const real d2 = NAME(inner)(at->d, at->d);
     at->inverse = lanes_rsqrt(d2, f64_rsqrt_seed(d2));
     at->delta = reach - d2 * at->inverse;
 #endif
