@@ -214,7 +214,14 @@ static void guard_particles(struct particles *p, guard_each *each)
         guard_doubles(p->omega[c], p->count, each);
         guard_doubles(p->alpha[c], p->count, each);
     }
-    size_t size = particles_force_size(p);
+    const size_t real = p->single ? sizeof(float) : sizeof(double), rows = (size_t)p->n_rows;
+    for (int c = 0; c < 3; c++) {
+        each(p->view_u[c], sizeof(int32_t) * rows, sizeof(int32_t) * (rows + ARRAY_PADDING));
+        each(p->view_v[c], real * rows, real * (rows + ARRAY_PADDING));
+        each(p->view_omega[c], real * rows, real * (rows + ARRAY_PADDING));
+    }
+    size_t size = particles_force_size(p), record = sizeof(double) * RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->single);
+    each(p->record, record * rows, record * (rows + ARRAY_PADDING));
     each(p->force, size, size + ARRAY_PADDING);
 }
 
@@ -273,13 +280,29 @@ static void forces_compare(const struct particles *a, const struct particles *b)
     }
 }
 
-static void particles_compare(const struct particles *a, const struct particles *b)
+static void motion_compare(const struct particles *a, const struct particles *b)
 {
+    const size_t real = a->single ? sizeof(float) : sizeof(double), count = (size_t)a->count;
     for (int c = 0; c < 3; c++) {
         same_bits("x", a->x[c], b->x[c], a->count);
         same_bits("v", a->v[c], b->v[c], a->count);
-        same_bits("a", a->a[c], b->a[c], a->count);
         same_bits("omega", a->omega[c], b->omega[c], a->count);
+        if (a->view_u[c])
+            assert_memory_equal(a->view_u[c], b->view_u[c], count * sizeof(int32_t));
+        if (a->view_v[c])
+            assert_memory_equal(a->view_v[c], b->view_v[c], count * real);
+        if (a->view_omega[c])
+            assert_memory_equal(a->view_omega[c], b->view_omega[c], count * real);
+    }
+    assert_memory_equal(a->record, b->record,
+                        count * sizeof(double) * RECORD_STRIDE(a->dimension, a->n_rotations > 0, a->single));
+}
+
+static void particles_compare(const struct particles *a, const struct particles *b)
+{
+    motion_compare(a, b);
+    for (int c = 0; c < 3; c++) {
+        same_bits("a", a->a[c], b->a[c], a->count);
         same_bits("alpha", a->alpha[c], b->alpha[c], a->count);
     }
 }
@@ -476,7 +499,7 @@ static void advance_is_kick_and_drift(void **state)
             double expected = kernels.kick(&b.p, &kick);
             same_bits("power", &power, &expected, 1);
             assert_int_equal(kernels.drift(&b.p, 1e-6, 1e-7), stale);
-            particles_compare(&a.p, &b.p);
+            motion_compare(&a.p, &b.p);
             forces_compare(&a.p, &b.p);
             bench_free(&a);
             bench_free(&b);
