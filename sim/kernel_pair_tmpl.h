@@ -201,9 +201,11 @@ LANES_INLINE void NAME(add_pair)(void *force, scalar *own, int rows, const struc
  * kind run at a time. So a chunk of sets goes through each part before the next part begins, with what is in between in
  * the nearest cache. */
 struct NAME(chunk) {
-    struct NAME(meeting) at[CHUNK];
-    struct NAME(touch) touch[CHUNK];
-    struct NAME(contact_result) result[CHUNK];
+    union {
+        struct NAME(meeting) at;
+        struct NAME(touch) touch;
+        struct NAME(contact_result) result;
+    } set[CHUNK]; /* each part takes the place of the one before */
 };
 
 /* Both halves of the law for n sets from slot k on. Roots apart pay in the narrower of the vectors, whose chains are as
@@ -214,21 +216,24 @@ LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) 
     enum { APART = F64_LANES == 4 };
     for (int m = 0; m < n; m++) {
         struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
-        chunk->touch[m] = NAME(touch)(law, &chunk->at[m], &memory, sums);
+        const struct NAME(meeting) at = chunk->set[m].at;
+        struct NAME(touch) touch = NAME(touch)(law, &at, &memory, sums);
 #if FRICTIONAL
         if (!APART)
-            NAME(keep)(&chunk->touch[m], &memory);
+            NAME(keep)(&touch, &memory);
 #endif
+        chunk->set[m].touch = touch;
     }
 #if FRICTIONAL
     for (int m = 0; m < n && APART; m++) {
         struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
-        NAME(keep)(&chunk->touch[m], &memory);
+        NAME(keep)(&chunk->set[m].touch, &memory);
     }
 #endif
     for (int m = 0; m < n; m++) {
         struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
-        chunk->result[m] = NAME(force)(law, &chunk->touch[m], &memory, sums);
+        const struct NAME(touch) touch = chunk->set[m].touch;
+        chunk->set[m].result = NAME(force)(law, &touch, &memory, sums);
     }
 }
 
@@ -326,13 +331,13 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, str
             NAME(ask)(r->p, r->force, r->slots.row + next);
         for (int m = 0; m < n; m++) {
             const size_t at = k + (size_t)m * LANES;
-            chunk.at[m] = NAME(approach)(r->p, &r->slots, r->quantum, at / SET_WIDTH, at % SET_WIDTH);
-            NAME(root)(&chunk.at[m]);
+            chunk.set[m].at = NAME(approach)(r->p, &r->slots, r->quantum, at / SET_WIDTH, at % SET_WIDTH);
+            NAME(root)(&chunk.set[m].at);
         }
         NAME(laws)(&chunk, &r->law, &r->slots, k, n, sums);
         for (int m = 0; m < n; m++) {
             const size_t at = k + (size_t)m * LANES;
-            NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, at / SET_WIDTH, at % SET_WIDTH, &chunk.result[m]);
+            NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, at / SET_WIDTH, at % SET_WIDTH, &chunk.set[m].result);
         }
         if (SINGLE && (k - start) % CLOSE_EVERY == 0)
             NAME(sums_close)(sums, r->constants, r->losses);
@@ -441,10 +446,10 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
     for (size_t k = 0; k < end; k += CHUNK * LANES) {
         const int n = NAME(chunk_size)(k, end);
         for (int m = 0; m < n; m++)
-            chunk.at[m] = NAME(meet_wall)(p, wall, k + (size_t)m * LANES);
+            chunk.set[m].at = NAME(meet_wall)(p, wall, k + (size_t)m * LANES);
         NAME(laws)(&chunk, &law, &slots, k, n, &sums);
         for (int m = 0; m < n; m++)
-            NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, chunk.result[m], columns);
+            NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, chunk.set[m].result, columns);
     }
     NAME(sums_close)(&sums, constants, losses);
     for (int c = 0; c < SET_WIDTH; c++)
