@@ -70,11 +70,25 @@ LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, size_t f
     return to;
 }
 
+/* What a range of sets is done with. */
+struct NAME(range) {
+    const struct particles *p;
+    struct contact_slots slots;
+    struct NAME(law) law;
+    const struct contact_law_constants *constants;
+    scalar quantum;
+    size_t first, last; /* sets */
+    void *force;
+    scalar *own; /* column of force 0, n_rows from one to the next */
+    struct contact_losses *losses;
+};
+
 /* First part of LANES pairs of a set, from its slot l on: what the law wants to know of them but for the root of the
  * distance, for which the reach is in the place of `inverse` and, single, reach^2 - d^2 in that of delta. */
-LANES_INLINE struct NAME(meeting)
-    NAME(approach)(const struct particles *p, const struct contact_slots *slots, scalar quantum, size_t set, size_t l)
+LANES_INLINE struct NAME(meeting) NAME(approach)(const struct NAME(range) * r, size_t set, size_t l)
 {
+    const struct particles *p = r->p;
+    const struct contact_slots *slots = &r->slots;
     struct NAME(meeting) at;
     const size_t k = set * SET_WIDTH + l, first = slots->first[set] + l;
     at.inverse = real_load((const scalar *)slots->reach + k);
@@ -84,13 +98,12 @@ LANES_INLINE struct NAME(meeting)
      * a difference of large numbers */
     real gap = real_load(slots->gap + k);
     for (int c = 0; c < DIM; c++) {
-        real built = real_load(slots->built[c] + k), moved = real_all(quantum) * f32_of_difference(i.x[c], j.x[c]);
+        real built = real_load(slots->built[c] + k), moved = real_all(r->quantum) * f32_of_difference(i.x[c], j.x[c]);
         at.d[c] = built + moved;
         gap = real_fma(-moved, at.d[c] + built, gap);
     }
     at.delta = gap;
 #else
-    (void)quantum;
     for (int c = 0; c < DIM; c++)
         at.d[c] = i.x[c] - j.x[c];
     at.delta = real_all(0.0);
@@ -98,11 +111,7 @@ LANES_INLINE struct NAME(meeting)
     for (int c = 0; c < DIM; c++)
         at.g[c] = i.v[c] - j.v[c];
 #if FRICTIONAL
-#if SINGLE
-    real a_i = f32_load((const float *)p->view_radius + first), a_j = at.inverse - a_i;
-#else
-    real a_i = f64_load(p->radius + first), a_j = at.inverse - a_i;
-#endif
+    real a_i = real_load((const scalar *)p->view_radius + first), a_j = at.inverse - a_i;
     for (int c = 0; c < SPRINGS; c++) {
         at.w[c] = real_fma(a_i, i.omega[c], a_j * j.omega[c]);
 #if DIM == 3
@@ -182,13 +191,13 @@ LANES_INLINE void NAME(add_rows)(void *force, const uint32_t *row, const struct 
 #undef ROW
 }
 
-/* Last part: sums of the particles j, and of i, which are side by side. own: column of force 0, `rows` from one to the
- * next. */
-LANES_INLINE void NAME(add_pair)(void *force, scalar *own, int rows, const struct contact_slots *slots, size_t set,
-                                 size_t l, const struct NAME(contact_result) * result)
+/* Last part: sums of the particles j, and of i, which are side by side. */
+LANES_INLINE void NAME(add_pair)(const struct NAME(range) * r, size_t set, size_t l,
+                                 const struct NAME(contact_result) * result)
 {
-    scalar *to = own + slots->first[set] + l;
-    NAME(add_rows)(force, slots->row + set * SET_WIDTH + l, result);
+    const int rows = r->p->n_rows;
+    scalar *to = r->own + r->slots.first[set] + l;
+    NAME(add_rows)(r->force, r->slots.row + set * SET_WIDTH + l, result);
     for (int c = 0; c < DIM; c++, to += rows)
         real_store(to, real_load(to) - result->force[c]);
 #if FRICTIONAL
@@ -256,19 +265,6 @@ LANES_INLINE void NAME(ask)(const struct particles *p, const void *force, const 
     }
 }
 
-/* What a range of sets is done with. */
-struct NAME(range) {
-    const struct particles *p;
-    struct contact_slots slots;
-    struct NAME(law) law;
-    const struct contact_law_constants *constants;
-    scalar quantum;
-    size_t first, last; /* sets */
-    void *force;
-    scalar *own;
-    struct contact_losses *losses;
-};
-
 #if DIM == 2 && !FRICTIONAL
 /* Few values are on their way here, and so registers hold them: vector k + 2 is approached, roots are drawn for vector
  * k + 1, the law is that of vector k, and vector k - 1 is added up; nothing, before the first one. */
@@ -287,10 +283,10 @@ LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, size_t set, size_t l
     way->next = way->near;
     NAME(root)(&way->next);
     if (set_ahead < r->last)
-        way->near = NAME(approach)(r->p, &r->slots, r->quantum, set_ahead, ahead % SET_WIDTH);
+        way->near = NAME(approach)(r, set_ahead, ahead % SET_WIDTH);
     struct NAME(touch) touch = NAME(touch)(&r->law, &at, &memory, sums);
     struct NAME(contact_result) result = NAME(force)(&r->law, &touch, &memory, sums);
-    NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, way->done_set, way->done_l, &way->done);
+    NAME(add_pair)(r, way->done_set, way->done_l, &way->done);
     way->done = result;
     way->done_set = set;
     way->done_l = l;
@@ -303,8 +299,8 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, str
     struct NAME(under_way) way = {.done_set = r->first};
     for (int c = 0; c < DIM; c++)
         way.done.force[c] = real_all(0.0);
-    way.next = NAME(approach)(r->p, &r->slots, r->quantum, r->first, 0);
-    way.near = NAME(approach)(r->p, &r->slots, r->quantum, r->first + (LANES == SET_WIDTH && !one), LANES % SET_WIDTH);
+    way.next = NAME(approach)(r, r->first, 0);
+    way.near = NAME(approach)(r, r->first + (LANES == SET_WIDTH && !one), LANES % SET_WIDTH);
     NAME(root)(&way.next);
     for (size_t from = r->first, to; from < r->last; from = to) {
         to = from + TOGETHER < r->last ? from + TOGETHER : r->last;
@@ -317,7 +313,7 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, str
         if (SINGLE)
             NAME(sums_close)(sums, r->constants, r->losses);
     }
-    NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, way.done_set, way.done_l, &way.done);
+    NAME(add_pair)(r, way.done_set, way.done_l, &way.done);
 }
 #else
 LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, struct NAME(sums) * sums)
@@ -331,13 +327,13 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, str
             NAME(ask)(r->p, r->force, r->slots.row + next);
         for (int m = 0; m < n; m++) {
             const size_t at = k + (size_t)m * LANES;
-            chunk.set[m].at = NAME(approach)(r->p, &r->slots, r->quantum, at / SET_WIDTH, at % SET_WIDTH);
+            chunk.set[m].at = NAME(approach)(r, at / SET_WIDTH, at % SET_WIDTH);
             NAME(root)(&chunk.set[m].at);
         }
         NAME(laws)(&chunk, &r->law, &r->slots, k, n, sums);
         for (int m = 0; m < n; m++) {
             const size_t at = k + (size_t)m * LANES;
-            NAME(add_pair)(r->force, r->own, r->p->n_rows, &r->slots, at / SET_WIDTH, at % SET_WIDTH, &chunk.set[m].result);
+            NAME(add_pair)(r, at / SET_WIDTH, at % SET_WIDTH, &chunk.set[m].result);
         }
         if (SINGLE && (k - start) % CLOSE_EVERY == 0)
             NAME(sums_close)(sums, r->constants, r->losses);

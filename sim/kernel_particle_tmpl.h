@@ -28,8 +28,7 @@ LANES_INLINE struct NAME(doubles) NAME(doubles_of)(real x)
 }
 
 /* factor a + b */
-LANES_INLINE struct NAME(doubles)
-    NAME(doubles_fma)(f64 factor, struct NAME(doubles) a, struct NAME(doubles) b)
+LANES_INLINE struct NAME(doubles) NAME(doubles_fma)(f64 factor, struct NAME(doubles) a, struct NAME(doubles) b)
 {
     for (int h = 0; h < PARTS; h++)
         b.part[h] = f64_fma(factor, a.part[h], b.part[h]);

@@ -293,7 +293,8 @@ LANES_INLINE void lanes_rows_of_4(const f32 *column, f32 *rows)
 {
     const __m512i low = _mm512_set_epi32(23, 7, 22, 6, 21, 5, 20, 4, 19, 3, 18, 2, 17, 1, 16, 0),
                   high = _mm512_set_epi32(31, 15, 30, 14, 29, 13, 28, 12, 27, 11, 26, 10, 25, 9, 24, 8);
-    const __m512i front = _mm512_set_epi64(11, 3, 10, 2, 9, 1, 8, 0), back = _mm512_set_epi64(15, 7, 14, 6, 13, 5, 12, 4);
+    const __m512i front = _mm512_set_epi64(11, 3, 10, 2, 9, 1, 8, 0),
+                  back = _mm512_set_epi64(15, 7, 14, 6, 13, 5, 12, 4);
     for (int h = 0; h < 2; h++) { /* eight rows each */
         f64 first = _mm512_castps_pd(_mm512_permutex2var_ps(column[0], h ? high : low, column[1]));
         f64 second = _mm512_castps_pd(_mm512_permutex2var_ps(column[2], h ? high : low, column[3]));

@@ -34,7 +34,7 @@ struct particles {
     /* As the contacts have them, double or float: */
     void *view_v[3]; /* [n_rows] predicted velocities, made by drift */
     void *view_omega[3];
-    int32_t *view_u[3];                                       /* [n_rows] single: u; made by drift */
+    int32_t *view_u[3];                                   /* [n_rows] single: u; made by drift */
     void *view_inv_mass, *view_minus_lever, *view_radius; /* [count] minus_lever: -a/I */
 };
 

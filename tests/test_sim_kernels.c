@@ -220,7 +220,8 @@ static void guard_particles(struct particles *p, guard_each *each)
         each(p->view_v[c], real * rows, real * (rows + ARRAY_PADDING));
         each(p->view_omega[c], real * rows, real * (rows + ARRAY_PADDING));
     }
-    size_t size = particles_force_size(p), record = sizeof(double) * RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->single);
+    size_t size = particles_force_size(p),
+           record = sizeof(double) * RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->single);
     each(p->record, record * rows, record * (rows + ARRAY_PADDING));
     each(p->force, size, size + ARRAY_PADDING);
 }
