@@ -22,6 +22,47 @@
 /* Components of the tangential spring, of rotations and of moments. */
 #define SPRINGS (2 * DIM - 3)
 
+/* LANES doubles. */
+struct NAME(doubles) {
+    f64 part[PARTS];
+};
+
+LANES_INLINE struct NAME(doubles) NAME(doubles_load)(const double *from)
+{
+    struct NAME(doubles) to;
+    for (int h = 0; h < PARTS; h++)
+        to.part[h] = f64_load(from + h * F64_LANES);
+    return to;
+}
+
+LANES_INLINE void NAME(doubles_store)(double *to, struct NAME(doubles) from)
+{
+    for (int h = 0; h < PARTS; h++)
+        f64_store(to + h * F64_LANES, from.part[h]);
+}
+
+LANES_INLINE struct NAME(doubles) NAME(doubles_of)(real x)
+{
+    struct NAME(doubles) to;
+    REAL(widen)(x, to.part);
+    return to;
+}
+
+/* factor a + b */
+LANES_INLINE struct NAME(doubles) NAME(doubles_fma)(f64 factor, struct NAME(doubles) a, struct NAME(doubles) b)
+{
+    for (int h = 0; h < PARTS; h++)
+        b.part[h] = f64_fma(factor, a.part[h], b.part[h]);
+    return b;
+}
+
+LANES_INLINE double NAME(doubles_sum)(struct NAME(doubles) x)
+{
+    for (int h = 1; h < PARTS; h++)
+        x.part[0] = x.part[0] + x.part[h];
+    return f64_sum(x.part[0]);
+}
+
 struct NAME(law) {
     scalar k1, k2, kc, gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt, k2_minus_k1, branch_ratio;
     scalar lever; /* gamma_t - kt dt/2 */
@@ -85,6 +126,11 @@ struct NAME(contact_result) {
  * q pull.v_t for what the dashpot and sliding take. */
 struct NAME(sums) {
     real normal, rise, fall, vt2, slip, slip2, power;
+};
+
+/* What they have come to, so that sums in float stay short. */
+struct NAME(totals) {
+    struct NAME(doubles) normal, rise, fall, vt2, slip, slip2, power;
 };
 
 LANES_INLINE real NAME(inner)(const real *a, const real *b)
@@ -300,35 +346,41 @@ LANES_INLINE struct NAME(contact_result) NAME(force)(const struct NAME(law) * la
     return result;
 }
 
-LANES_INLINE double NAME(sum)(real x)
+LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
 {
-    f64 part[PARTS];
-    REAL(widen)(x, part);
-    for (int h = 1; h < PARTS; h++)
-        part[0] = part[0] + part[h];
-    return f64_sum(part[0]);
+    *total = NAME(doubles_fma)(f64_all(1.0), NAME(doubles_of)(*sum), *total);
+    *sum = real_all(0.0);
 }
 
-/* Adds the sums as energies [J]. Not inlined: it is not for every set. */
-static void __attribute__((noinline))
-NAME(sums_add)(const struct NAME(sums) * sums, const struct contact_law_constants *law, struct contact_losses *losses)
+/* Adds the sums to the totals; they start anew. */
+LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals) * totals)
 {
-    losses->viscous_normal += law->gamma_n * law->dt * NAME(sum)(sums->normal);
+    NAME(close)(&sums->normal, &totals->normal);
 #if HYSTERETIC
-    losses->hysteresis += law->loading_loss * NAME(sum)(sums->rise) - law->adhesion_loss * NAME(sum)(sums->fall);
+    NAME(close)(&sums->rise, &totals->rise);
+    NAME(close)(&sums->fall, &totals->fall);
 #endif
 #if FRICTIONAL
-    const double power = NAME(sum)(sums->power);
-    losses->viscous_tangential += law->gamma_t * (law->dt * NAME(sum)(sums->vt2) - power);
-    losses->friction += NAME(sum)(sums->slip) - 0.5 * law->kt * (NAME(sum)(sums->slip2) + law->dt * power);
+    NAME(close)(&sums->vt2, &totals->vt2);
+    NAME(close)(&sums->slip, &totals->slip);
+    NAME(close)(&sums->slip2, &totals->slip2);
+    NAME(close)(&sums->power, &totals->power);
 #endif
 }
 
-/* The same, and the sums start anew. */
-LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, const struct contact_law_constants *law,
+/* Adds the totals as energies [J]. */
+LANES_INLINE void NAME(totals_add)(const struct NAME(totals) * totals, const struct contact_law_constants *law,
                                    struct contact_losses *losses)
 {
-    const struct NAME(sums) closed = *sums, none = {0};
-    NAME(sums_add)(&closed, law, losses);
-    *sums = none;
+    losses->viscous_normal += law->gamma_n * law->dt * NAME(doubles_sum)(totals->normal);
+#if HYSTERETIC
+    losses->hysteresis +=
+        law->loading_loss * NAME(doubles_sum)(totals->rise) - law->adhesion_loss * NAME(doubles_sum)(totals->fall);
+#endif
+#if FRICTIONAL
+    const double power = NAME(doubles_sum)(totals->power);
+    losses->viscous_tangential += law->gamma_t * (law->dt * NAME(doubles_sum)(totals->vt2) - power);
+    losses->friction +=
+        NAME(doubles_sum)(totals->slip) - 0.5 * law->kt * (NAME(doubles_sum)(totals->slip2) + law->dt * power);
+#endif
 }

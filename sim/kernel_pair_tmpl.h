@@ -75,12 +75,10 @@ struct NAME(range) {
     const struct particles *p;
     struct contact_slots slots;
     struct NAME(law) law;
-    const struct contact_law_constants *constants;
     scalar quantum;
     size_t first, last; /* sets */
     void *force;
     scalar *own; /* column of force 0, n_rows from one to the next */
-    struct contact_losses *losses;
 };
 
 /* First part of LANES pairs of a set, from its slot l on: what the law wants to know of them but for the root of the
@@ -267,7 +265,8 @@ LANES_INLINE void NAME(ask)(const struct particles *p, const void *force, const 
 
 #if DIM == 2 && !FRICTIONAL
 /* Few values are on their way here, and so registers hold them: vector k + 2 is approached, roots are drawn for vector
- * k + 1, the law is that of vector k, and vector k - 1 is added up; nothing, before the first one. */
+ * k + 1, the law is that of vector k, and vector k - 1 (in double, which fills registers sooner, k itself) is added up;
+ * nothing, before the first one. */
 struct NAME(under_way) {
     struct NAME(meeting) near, next;
     struct NAME(contact_result) done;
@@ -286,13 +285,17 @@ LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, size_t set, size_t l
         way->near = NAME(approach)(r, set_ahead, ahead % SET_WIDTH);
     struct NAME(touch) touch = NAME(touch)(&r->law, &at, &memory, sums);
     struct NAME(contact_result) result = NAME(force)(&r->law, &touch, &memory, sums);
-    NAME(add_pair)(r, way->done_set, way->done_l, &way->done);
+    if (SINGLE)
+        NAME(add_pair)(r, way->done_set, way->done_l, &way->done);
+    else
+        NAME(add_pair)(r, set, l, &result);
     way->done = result;
     way->done_set = set;
     way->done_l = l;
 }
 
-LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, struct NAME(sums) * sums)
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, struct NAME(sums) * sums,
+                                   struct NAME(totals) * totals)
 {
     enum { TOGETHER = CLOSE_EVERY / SET_WIDTH };
     const bool one = LANES == SET_WIDTH && r->first + 1 == r->last; /* there is no second vector */
@@ -311,12 +314,14 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, str
                 NAME(go_on)(r, set, l, &way, sums);
         }
         if (SINGLE)
-            NAME(sums_close)(sums, r->constants, r->losses);
+            NAME(sums_close)(sums, totals);
     }
-    NAME(add_pair)(r, way.done_set, way.done_l, &way.done);
+    if (SINGLE)
+        NAME(add_pair)(r, way.done_set, way.done_l, &way.done);
 }
 #else
-LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, struct NAME(sums) * sums)
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, struct NAME(sums) * sums,
+                                   struct NAME(totals) * totals)
 {
     struct NAME(chunk) chunk;
     const size_t start = r->first * SET_WIDTH, end = r->last * SET_WIDTH;
@@ -336,7 +341,7 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, str
             NAME(add_pair)(r, at / SET_WIDTH, at % SET_WIDTH, &chunk.set[m].result);
         }
         if (SINGLE && (k - start) % CLOSE_EVERY == 0)
-            NAME(sums_close)(sums, r->constants, r->losses);
+            NAME(sums_close)(sums, totals);
     }
 }
 #endif
@@ -348,21 +353,21 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
     const struct NAME(range) range = {.p = p,
                                       .slots = pairs->slots,
                                       .law = NAME(law_of)(constants),
-                                      .constants = constants,
                                       .quantum = (scalar)p->quantum,
                                       .first = (size_t)first,
                                       .last = (size_t)last,
                                       .force = force,
-                                      .own = own,
-                                      .losses = losses};
+                                      .own = own};
     struct NAME(sums) sums = {0};
+    struct NAME(totals) totals = {0};
     if (first >= last)
         return;
     if (p->count >= PARTICLES_LARGE_SAMPLE)
-        NAME(go_through)(&range, true, &sums);
+        NAME(go_through)(&range, true, &sums, &totals);
     else
-        NAME(go_through)(&range, false, &sums);
-    NAME(sums_close)(&sums, constants, losses);
+        NAME(go_through)(&range, false, &sums, &totals);
+    NAME(sums_close)(&sums, &totals);
+    NAME(totals_add)(&totals, constants, losses);
 }
 
 /* How far the wall has moved in quanta; further than lists reach is as far as it goes. */
@@ -438,6 +443,7 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
     const size_t end = (size_t)wall->contacts.n_sets * SET_WIDTH;
     double columns[SET_WIDTH] = {0}, total = 0;
     struct NAME(sums) sums = {0};
+    struct NAME(totals) totals = {0};
     struct NAME(chunk) chunk;
     for (size_t k = 0; k < end; k += CHUNK * LANES) {
         const int n = NAME(chunk_size)(k, end);
@@ -447,7 +453,8 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
         for (int m = 0; m < n; m++)
             NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, chunk.set[m].result, columns);
     }
-    NAME(sums_close)(&sums, constants, losses);
+    NAME(sums_close)(&sums, &totals);
+    NAME(totals_add)(&totals, constants, losses);
     for (int c = 0; c < SET_WIDTH; c++)
         total += columns[c];
     wall->force = total * wall->inward;

@@ -1,40 +1,6 @@
 /* Drift and kick: what a step does to the particles themselves; and their records for the contacts. Positions and
  * velocities are summed up in double, forces and accelerations are `real`. Parameters as of kernel_law_tmpl.h. */
 
-/* LANES doubles. */
-struct NAME(doubles) {
-    f64 part[PARTS];
-};
-
-LANES_INLINE struct NAME(doubles) NAME(doubles_load)(const double *from)
-{
-    struct NAME(doubles) to;
-    for (int h = 0; h < PARTS; h++)
-        to.part[h] = f64_load(from + h * F64_LANES);
-    return to;
-}
-
-LANES_INLINE void NAME(doubles_store)(double *to, struct NAME(doubles) from)
-{
-    for (int h = 0; h < PARTS; h++)
-        f64_store(to + h * F64_LANES, from.part[h]);
-}
-
-LANES_INLINE struct NAME(doubles) NAME(doubles_of)(real x)
-{
-    struct NAME(doubles) to;
-    REAL(widen)(x, to.part);
-    return to;
-}
-
-/* factor a + b */
-LANES_INLINE struct NAME(doubles) NAME(doubles_fma)(f64 factor, struct NAME(doubles) a, struct NAME(doubles) b)
-{
-    for (int h = 0; h < PARTS; h++)
-        b.part[h] = f64_fma(factor, a.part[h], b.part[h]);
-    return b;
-}
-
 /* Asks for what `pack` will write a few turns from now: lines that are only written are not fetched ahead by
  * themselves. */
 LANES_INLINE void NAME(pack_ahead)(const struct particles *p, int i)
@@ -151,13 +117,6 @@ LANES_INLINE struct NAME(kick) NAME(kick_of)(const struct kick_constants *k)
         .v2 = NAME(doubles_of)(real_all(0.0)),
         .spin2 = NAME(doubles_of)(real_all(0.0)),
     };
-}
-
-LANES_INLINE double NAME(doubles_sum)(struct NAME(doubles) x)
-{
-    for (int h = 1; h < PARTS; h++)
-        x.part[0] = x.part[0] + x.part[h];
-    return f64_sum(x.part[0]);
 }
 
 /* What the background takes [W]. */

@@ -22,11 +22,12 @@ typedef void wall_kernel(struct particles *particles, struct wall *wall, const s
                          struct contact_losses *losses);
 
 /* Positions of the next step, velocities of the middle on the way and those predicted for its end; makes views and
- * records. True if a particle is further than reach_m from where the lists were built, or not finite. dt_s = 0 does only
- * that, for particles whose step is complete. */
+ * records. True if a particle is further than reach_m from where the lists were built, or not finite. dt_s = 0 does
+ * only that, for particles whose step is complete. */
 typedef bool drift_kernel(struct particles *particles, double dt_s, double reach_m);
 
-/* Accelerations and velocities of the end of the step; zeroes the sums. Returns the power that background damping takes [W]. */
+/* Accelerations and velocities of the end of the step; zeroes the sums. Returns the power that background damping takes
+ * [W]. */
 typedef double kick_kernel(struct particles *particles, const struct kick_constants *constants);
 
 /* The kick of a step and the drift of the next in one pass, the same bits as one after the other. */

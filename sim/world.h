@@ -88,9 +88,10 @@ enum status world_command(struct world *world, const struct wall_command *comman
  * depend on velocity. STATUS_UNSTABLE if a particle has left the box or is not finite. */
 enum status world_step(struct world *world) MUST_USE;
 
-/* The same, but velocities may be those of the middle of the step, and accelerations older: the next step completes them
- * and goes on in one pass over the particles, which is faster and the same bits. Who reads them calls world_settle first;
- * measurements, hash, checkpoint and a change of stage do. Positions, lists, walls and their forces are complete. */
+/* The same, but velocities may be those of the middle of the step, and accelerations older: the next step completes
+ * them and goes on in one pass over the particles, which is faster and the same bits. Who reads them calls world_settle
+ * first; measurements, hash, checkpoint and a change of stage do. Positions, lists, walls and their forces are
+ * complete. */
 enum status world_step_open(struct world *world) MUST_USE;
 void world_settle(const struct world *world);
 
