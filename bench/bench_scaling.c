@@ -198,9 +198,10 @@ static double bytes_moved(const struct world *world)
     const int record = 8 * RECORD_STRIDE(d, s > 0, p->single), sums = ROW_BYTES(d, s > 0, p->single) + (d + s) * real;
     const int history = ((s && p->single ? 2 * s : s) + (s > 0) + world->pairs.hysteretic) * real;
     const int slot = 4 + real + (p->single ? (d + 1) * real : 0) + 2 * history;
-    const int views = (d + d + s) * real, radius = s ? real : 0;
-    const int pair = record + views + radius + 2 * sums;
-    const int advance = 2 * sums + 8 * (2 * 3 * d + d + 1 + 2 * 2 * s + (s ? 2 : 0)) + record + (p->single ? views : 0);
+    const int positions = d * real, velocities = (d + s) * real, radius = s ? real : 0;
+    const int pair = record + positions + velocities + radius + 2 * sums;
+    const int state = 8 * (2 * (d + d + s) + d), factors = (s ? 3 : 1) * real;
+    const int advance = 2 * sums + state + factors + record + 2 * velocities + (p->single ? positions : 0);
     return (double)slot * SET_WIDTH * world->pairs.n_sets + (double)(pair + advance) * p->count;
 }
 
