@@ -56,6 +56,13 @@ LANES_INLINE struct NAME(doubles) NAME(doubles_fma)(f64 factor, struct NAME(doub
     return b;
 }
 
+LANES_INLINE struct NAME(doubles) NAME(doubles_add)(struct NAME(doubles) a, struct NAME(doubles) b)
+{
+    for (int h = 0; h < PARTS; h++)
+        a.part[h] = a.part[h] + b.part[h];
+    return a;
+}
+
 LANES_INLINE double NAME(doubles_sum)(struct NAME(doubles) x)
 {
     for (int h = 1; h < PARTS; h++)
@@ -64,14 +71,13 @@ LANES_INLINE double NAME(doubles_sum)(struct NAME(doubles) x)
 }
 
 struct NAME(law) {
-    scalar k1, k2, kc, gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt, k2_minus_k1, branch_ratio;
+    scalar k2, kc, gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt, k2_minus_k1, branch_ratio;
     scalar lever; /* gamma_t - kt dt/2 */
 };
 
 LANES_INLINE struct NAME(law) NAME(law_of)(const struct contact_law_constants *law)
 {
-    return (struct NAME(law)){.k1 = (scalar)law->k1,
-                              .k2 = (scalar)law->k2,
+    return (struct NAME(law)){.k2 = (scalar)law->k2,
                               .kc = (scalar)law->kc,
                               .gamma_n = (scalar)law->gamma_n,
                               .mu_s = (scalar)law->mu_s,
@@ -348,7 +354,7 @@ LANES_INLINE struct NAME(contact_result) NAME(force)(const struct NAME(law) * la
 
 LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
 {
-    *total = NAME(doubles_fma)(f64_all(1.0), NAME(doubles_of)(*sum), *total);
+    *total = NAME(doubles_add)(*total, NAME(doubles_of)(*sum));
     *sum = real_all(0.0);
 }
 

@@ -129,7 +129,6 @@ LANES_INLINE double NAME(power)(const struct NAME(kick) * kick, const struct kic
 LANES_INLINE struct NAME(motion) NAME(kicked)(struct particles *p, int i, struct NAME(kick) * kick)
 {
     struct NAME(motion) to;
-    const f64 one = f64_all(1.0);
     real force[DIM], moment[3], inv_mass = real_load((const scalar *)p->view_inv_mass + i), v2 = real_all(0.0);
     NAME(take_sums)(p, i, force, moment);
     for (int c = 0; c < DIM; c++) {
@@ -138,7 +137,7 @@ LANES_INLINE struct NAME(motion) NAME(kicked)(struct particles *p, int i, struct
         to.v[c] = NAME(doubles_fma)(kick->half, NAME(doubles_of)(to.a[c]), NAME(doubles_load)(p->v[c] + i));
         v2 = real_fma(v, v, v2);
     }
-    kick->v2 = NAME(doubles_fma)(one, NAME(doubles_of)(v2), kick->v2);
+    kick->v2 = NAME(doubles_add)(kick->v2, NAME(doubles_of)(v2));
 #if FRICTIONAL
     const real minus_lever = real_load((const scalar *)p->view_minus_lever + i);
     const real minus_slowing = kick->minus_slowing * inv_mass, radius = real_load((const scalar *)p->view_radius + i);
@@ -149,7 +148,7 @@ LANES_INLINE struct NAME(motion) NAME(kicked)(struct particles *p, int i, struct
         to.omega[c] = NAME(doubles_fma)(kick->half, NAME(doubles_of)(to.alpha[c]), NAME(doubles_load)(p->omega[c] + i));
         omega2 = real_fma(omega, omega, omega2);
     }
-    kick->spin2 = NAME(doubles_fma)(one, NAME(doubles_of)(radius * radius * omega2), kick->spin2);
+    kick->spin2 = NAME(doubles_add)(kick->spin2, NAME(doubles_of)(radius * radius * omega2));
 #endif
     return to;
 }

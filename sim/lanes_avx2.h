@@ -233,9 +233,8 @@ LANES_INLINE void f32_load2(const float *from, f32 *column)
 {
     f32 a = _mm256_loadu_ps(from), b = _mm256_loadu_ps(from + 8); /* rows 0 1 | 2 3 and 4 5 | 6 7 */
     f32 front = _mm256_permute2f128_ps(a, b, 0x20), back = _mm256_permute2f128_ps(a, b, 0x31);
-    f32 even = _mm256_shuffle_ps(front, back, 0x88), odd = _mm256_shuffle_ps(front, back, 0xdd);
-    column[0] = even;
-    column[1] = odd;
+    column[0] = _mm256_shuffle_ps(front, back, 0x88);
+    column[1] = _mm256_shuffle_ps(front, back, 0xdd);
 }
 /* Columns of 4 of rows that are `stride` apart; and rows from columns. */
 LANES_INLINE void lanes_load_quads(const float *from, int stride, f32 *column)

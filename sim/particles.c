@@ -134,7 +134,8 @@ void particles_set_views(struct particles *p, double skin)
     }
 }
 
-void particles_set_home(struct particles *p)
+/* Single: the records and views say that every particle is where it was listed. */
+static void set_home(struct particles *p)
 {
     const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), true);
     const size_t bytes = (size_t)p->dimension * sizeof(int32_t);
@@ -149,7 +150,7 @@ void particles_listed(struct particles *p, double skin)
     for (int c = 0; c < p->dimension; c++)
         memcpy(p->x_list[c], p->x[c], (size_t)p->count * sizeof(double));
     particles_set_views(p, skin);
-    particles_set_home(p);
+    set_home(p);
 }
 
 void particles_set_inverse(struct particles *p)

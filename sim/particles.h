@@ -75,9 +75,6 @@ void particles_set_mass(struct particles *particles, double density_kg_per_m3);
  * records say so too. */
 void particles_listed(struct particles *particles, double skin_m);
 
-/* Single: the records and views say that every particle is where it was listed. */
-void particles_set_home(struct particles *particles);
-
 /* Single: the quantum for lists of this skin, and radii in float. */
 void particles_set_views(struct particles *particles, double skin_m);
 
