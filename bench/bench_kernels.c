@@ -46,7 +46,7 @@ static void wall_part(struct sample *s, const struct kernels *kernels)
 
 static void drift_part(struct sample *s, const struct kernels *kernels)
 {
-    (void)kernels->drift(&s->p, 0, INFINITY);
+    (void)kernels->drift(&s->p, 0, 0, INFINITY);
 }
 
 static void kick_part(struct sample *s, const struct kernels *kernels)
@@ -176,6 +176,7 @@ static void move(struct sample *s, struct random *random)
     for (int c = 0; c < s->model.dimension; c++)
         for (int i = 0; i < s->p.count; i++)
             s->p.x[c][i] += 4e-5 + 2e-6 * (random_uniform(random) - 0.5);
+    particles_enter(&s->p);
 }
 
 static enum status sample_init(struct sample *s, struct model model)

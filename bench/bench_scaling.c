@@ -146,7 +146,7 @@ static enum status one_walls(struct world *world)
 
 static enum status one_drift(struct world *world)
 {
-    (void)threads_drift(&world->threads, &world->kernels, &world->particles, 0, INFINITY);
+    (void)threads_drift(&world->threads, &world->kernels, &world->particles, 0, 0, INFINITY);
     return STATUS_OK;
 }
 

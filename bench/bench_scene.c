@@ -89,7 +89,7 @@ static enum status one_advance(void *user)
 static enum status one_drift(void *user)
 {
     struct world *world = at_rest(user);
-    (void)world->kernels.drift(&world->particles, 0, INFINITY);
+    (void)world->kernels.drift(&world->particles, 0, 0, INFINITY);
     return STATUS_OK;
 }
 

@@ -9,11 +9,25 @@
 #include "sim/records.h"
 #include "sim/renumber.h"
 
+/* What a checkpoint is read for: a run that goes on with the same bits, or a sample to start from. */
+enum purpose { FOR_RUN, FOR_SAMPLE };
+
 /* What an entry of the table is a member of. */
 enum owner { OF_PROGRESS, OF_WORLD, OF_PARTICLES, OF_WALL, OF_LIST };
 
 /* Where its values are: in the owner itself, or behind as many pointers as the model has components. */
-enum extent { IN_PLACE, ONE_ARRAY, PER_AXIS, PER_ROTATION, PER_SPRING, IF_ROTATIONS, IF_FRICTIONAL, IF_HYSTERETIC };
+enum extent {
+    IN_PLACE,
+    ONE_ARRAY,
+    PER_AXIS,
+    PER_ROTATION,
+    PER_SPRING,
+    PER_AXIS_IF_SINGLE,
+    PER_ROTATION_IF_SINGLE,
+    IF_ROTATIONS,
+    IF_FRICTIONAL,
+    IF_HYSTERETIC
+};
 
 struct entry {
     const char *name; /* of the dataset in the owner's group */
@@ -22,25 +36,31 @@ struct entry {
     size_t offset;
     enum extent extent;
     size_t count; /* IN_PLACE */
+    bool late;    /* files of older versions do not have it */
 };
 
 #define I32 CHECKPOINT_I32
 #define I64 CHECKPOINT_I64
+#define F32 CHECKPOINT_F32
 #define F64 CHECKPOINT_F64
 #define VALUES(owner, type_, member, value_type, count)                                                                \
     {                                                                                                                  \
-#member, owner, value_type, offsetof(struct type_, member), IN_PLACE, count                                    \
+#member, owner, value_type, offsetof(struct type_, member), IN_PLACE, count, false                             \
     }
 #define PROGRESS(member, value_type)     VALUES(OF_PROGRESS, run_progress, member, value_type, 1)
 #define WORLD(member, value_type, count) VALUES(OF_WORLD, world, member, value_type, count)
 #define WALL(member)                     VALUES(OF_WALL, wall, member, F64, 1)
 #define PARTICLES(member, extent)                                                                                      \
     {                                                                                                                  \
-#member, OF_PARTICLES, F64, offsetof(struct particles, member), extent, 0                                      \
+#member, OF_PARTICLES, F64, offsetof(struct particles, member), extent, 0, false                               \
+    }
+#define STEPS(member, value_type, extent)                                                                              \
+    {                                                                                                                  \
+#member, OF_PARTICLES, value_type, offsetof(struct particles, member), extent, 0, true                         \
     }
 #define LIST(member, value_type, extent)                                                                               \
     {                                                                                                                  \
-#member, OF_LIST, value_type, offsetof(struct contact_list, member), extent, 0                                 \
+#member, OF_LIST, value_type, offsetof(struct contact_list, member), extent, 0, false                          \
     }
 
 /* A new member that decides later bits is one line here. What every step makes anew before it is used (forces,
@@ -78,6 +98,7 @@ static const struct entry table[] = {
     WORLD(stage_time_start_s, F64, 1),
     WORLD(stage_position_m, F64, SCENE_WALLS_MAX),
     WORLD(dt, F64, 1),
+    {"kicked_s", OF_WORLD, F64, offsetof(struct world, kicked_s), IN_PLACE, 1, true},
     WORLD(path.from_step, I64, 1),
     WORLD(path.n_steps, I32, 1),
     WORLD(path.dt, F64, 1),
@@ -115,7 +136,7 @@ static const struct entry table[] = {
     WORLD(pairs.search_max, I32, 1),
     WORLD(neighbor.rebuilds, I64, 1),
     WORLD(neighbor.built_step, I64, 1),
-    {"id", OF_PARTICLES, I32, offsetof(struct particles, id), ONE_ARRAY, 0},
+    {"id", OF_PARTICLES, I32, offsetof(struct particles, id), ONE_ARRAY, 0, false},
     PARTICLES(x, PER_AXIS),
     PARTICLES(v, PER_AXIS),
     PARTICLES(a, PER_AXIS),
@@ -126,9 +147,16 @@ static const struct entry table[] = {
     PARTICLES(mass, ONE_ARRAY),
     PARTICLES(inv_mass, ONE_ARRAY),
     PARTICLES(inv_inertia, IF_ROTATIONS),
+    STEPS(view_u, I32, PER_AXIS_IF_SINGLE),
+    STEPS(view_v, F32, PER_AXIS_IF_SINGLE),
+    STEPS(view_omega, F32, PER_ROTATION_IF_SINGLE),
+    STEPS(u_rest, F32, PER_AXIS_IF_SINGLE),
+    STEPS(v_rest, F32, PER_AXIS_IF_SINGLE),
+    STEPS(omega_rest, F32, PER_ROTATION_IF_SINGLE),
     WALL(x),
     WALL(v),
     WALL(force),
+    {"touching", OF_WALL, I32, offsetof(struct wall, touching), IN_PLACE, 1, true},
     WALL(x_list),
     LIST(i, I32, ONE_ARRAY),
     LIST(j, I32, ONE_ARRAY),
@@ -145,6 +173,7 @@ struct item {
     enum checkpoint_type type;
     size_t count;
     void *data;
+    bool late;
 };
 
 enum { ITEMS_MAX = 512 };
@@ -157,7 +186,7 @@ struct items {
 struct model {
     size_t count; /* members of an array */
     int axes, rotations, springs;
-    bool hysteretic;
+    bool hysteretic, single;
 };
 
 static int components(const struct entry *entry, const struct model *model)
@@ -167,6 +196,8 @@ static int components(const struct entry *entry, const struct model *model)
                      [PER_AXIS] = model->axes,
                      [PER_ROTATION] = model->rotations,
                      [PER_SPRING] = model->springs,
+                     [PER_AXIS_IF_SINGLE] = model->single ? model->axes : 0,
+                     [PER_ROTATION_IF_SINGLE] = model->single ? model->rotations : 0,
                      [IF_ROTATIONS] = model->rotations > 0,
                      [IF_FRICTIONAL] = model->springs > 0,
                      [IF_HYSTERETIC] = model->hysteretic};
@@ -177,10 +208,10 @@ static void collect_entry(struct items *items, const struct entry *entry, const 
                           const struct model *model)
 {
     unsigned char *at = (unsigned char *)owner + entry->offset;
-    bool many = entry->extent == PER_AXIS || entry->extent == PER_ROTATION || entry->extent == PER_SPRING;
+    bool many = entry->extent >= PER_AXIS && entry->extent <= PER_ROTATION_IF_SINGLE;
     for (int c = 0; c < components(entry, model) && items->n < ITEMS_MAX; c++) {
         struct item *item = &items->item[items->n++];
-        *item = (struct item){.type = entry->type, .count = entry->count, .data = at};
+        *item = (struct item){.type = entry->type, .count = entry->count, .data = at, .late = entry->late};
         if (entry->extent != IN_PLACE) {
             item->count = model->count;
             memcpy(&item->data, at + (size_t)c * sizeof item->data, sizeof item->data);
@@ -212,7 +243,8 @@ static void collect(struct items *items, struct world *world, struct run_progres
     char group[32];
     const struct particles *p = &world->particles;
     world_settle(world);
-    const struct model particles = {.count = (size_t)p->count, .axes = p->dimension, .rotations = p->n_rotations};
+    const struct model particles = {
+        .count = (size_t)p->count, .axes = p->dimension, .rotations = p->n_rotations, .single = p->single};
     items->n = 0;
     if (progress)
         collect_owner(items, OF_PROGRESS, "progress", progress, &particles);
@@ -341,17 +373,29 @@ static enum status lists_check(struct world *world)
     return STATUS_OK;
 }
 
-static enum status get_items(hid_t file, struct world *world, struct run_progress *progress)
+/* What is called for with a sample alone need not be in the file if it was late. */
+static enum status get_item(hid_t file, const struct item *item, enum purpose purpose)
+{
+    if (item->late && !checkpoint_has(file, item->path)) {
+        if (purpose == FOR_SAMPLE)
+            return STATUS_OK;
+        return status_fail(STATUS_FORMAT,
+                           "checkpoint: %s is missing, an older version wrote it; a run can start from it as a sample "
+                           "(sample.initial), but not go on",
+                           item->path);
+    }
+    return checkpoint_get(file, item->path, item->type, item->count, item->data);
+}
+
+static enum status get_items(hid_t file, struct world *world, struct run_progress *progress, enum purpose purpose)
 {
     TRY(lists_reserve(file, world));
     struct items *items = items_of(world, progress);
     if (!items)
         return no_memory();
     enum status status = STATUS_OK;
-    for (int k = 0; status == STATUS_OK && k < items->n; k++) {
-        const struct item *item = &items->item[k];
-        status = checkpoint_get(file, item->path, item->type, item->count, item->data);
-    }
+    for (int k = 0; status == STATUS_OK && k < items->n; k++)
+        status = get_item(file, &items->item[k], purpose);
     free(items);
     TRY(status);
     TRY(renumber_set_slots(&world->particles));
@@ -378,13 +422,13 @@ static void content_free(struct content *content)
     free(content);
 }
 
-static enum status content_fill(struct content *content, hid_t file, const char *path)
+static enum status content_fill(struct content *content, hid_t file, const char *path, enum purpose purpose)
 {
     TRY(checkpoint_get_text(file, "effective_config", &content->config));
     TRY(checkpoint_get_text(file, "kernel_set", &content->kernel_set));
     TRY(scene_parse(&content->scene, content->config, path));
     TRY(world_create_empty(&content->world, &content->scene));
-    TRY(get_items(file, content->world, &content->progress));
+    TRY(get_items(file, content->world, &content->progress, purpose));
     world_set_law(content->world);
     const struct neighbor before = content->world->neighbor;
     TRY(world_init_lists(content->world)); /* needs the radii */
@@ -395,13 +439,13 @@ static enum status content_fill(struct content *content, hid_t file, const char 
     return STATUS_OK;
 }
 
-static enum status content_load(struct content **content, const char *path)
+static enum status content_load(struct content **content, const char *path, enum purpose purpose)
 {
     hid_t file;
     *content = NULL;
     TRY(checkpoint_image_load(path, &file));
     *content = calloc(1, sizeof **content);
-    enum status status = *content ? content_fill(*content, file, path) : no_memory();
+    enum status status = *content ? content_fill(*content, file, path, purpose) : no_memory();
     checkpoint_image_close(file);
     if (status == STATUS_OK)
         return STATUS_OK;
@@ -438,7 +482,7 @@ enum status checkpoint_resume(const char *path, const struct scene *scene, struc
 {
     struct content *content;
     *world = NULL;
-    TRY(content_load(&content, path));
+    TRY(content_load(&content, path, FOR_RUN));
     enum status status = check_scene(path, content, scene);
     if (status == STATUS_OK) {
         warn_of_kernels(path, content);
@@ -530,7 +574,7 @@ static enum status take_sample(const char *path, struct world *to, struct world 
 enum status checkpoint_start(const char *path, struct world *world)
 {
     struct content *content;
-    TRY(content_load(&content, path));
+    TRY(content_load(&content, path, FOR_SAMPLE));
     enum status status = take_sample(path, world, content->world);
     content_free(content);
     return status;

@@ -19,12 +19,16 @@ static const uint64_t IMAGE_BYTES_MAX = 1ull << 36;
 
 size_t checkpoint_type_size(enum checkpoint_type type)
 {
-    return type == CHECKPOINT_I32 ? sizeof(int32_t) : 8;
+    return type == CHECKPOINT_I32 || type == CHECKPOINT_F32 ? 4 : 8;
 }
 
 static hid_t memory_type(enum checkpoint_type type)
 {
-    return type == CHECKPOINT_I32 ? H5T_NATIVE_INT32 : type == CHECKPOINT_I64 ? H5T_NATIVE_INT64 : H5T_NATIVE_DOUBLE;
+    const hid_t types[] = {[CHECKPOINT_I32] = H5T_NATIVE_INT32,
+                           [CHECKPOINT_I64] = H5T_NATIVE_INT64,
+                           [CHECKPOINT_F32] = H5T_NATIVE_FLOAT,
+                           [CHECKPOINT_F64] = H5T_NATIVE_DOUBLE};
+    return types[type];
 }
 
 static enum status put_failed(const char *path)
@@ -107,6 +111,11 @@ enum status checkpoint_count(hid_t file, const char *path, size_t *count)
         H5Dclose(id);
     *count = n < 0 ? 0 : (size_t)n;
     return n < 0 ? get_failed(path) : STATUS_OK;
+}
+
+bool checkpoint_has(hid_t file, const char *path)
+{
+    return H5Lexists(file, path, H5P_DEFAULT) > 0;
 }
 
 enum status checkpoint_get(hid_t file, const char *path, enum checkpoint_type type, size_t count, void *data)

@@ -5,11 +5,12 @@
 #define SHAKEDOWN_SIM_CHECKPOINT_FILE_H
 
 #include <hdf5.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "common/status.h"
 
-enum checkpoint_type { CHECKPOINT_I32, CHECKPOINT_I64, CHECKPOINT_F64 };
+enum checkpoint_type { CHECKPOINT_I32, CHECKPOINT_I64, CHECKPOINT_F32, CHECKPOINT_F64 };
 
 size_t checkpoint_type_size(enum checkpoint_type type);
 
@@ -27,6 +28,9 @@ enum status checkpoint_put_text(hid_t file, const char *path, const char *text) 
 enum status checkpoint_get(hid_t file, const char *path, enum checkpoint_type type, size_t count, void *data) MUST_USE;
 enum status checkpoint_get_text(hid_t file, const char *path, char **text) MUST_USE;
 enum status checkpoint_count(hid_t file, const char *path, size_t *count) MUST_USE;
+
+/* Whether there is something at `path`. */
+bool checkpoint_has(hid_t file, const char *path);
 
 /* Brings an image to disk under `path` at once or not at all, and reads it back. Errors as in checkpoint.h. */
 enum status checkpoint_image_save(hid_t file, const char *path) MUST_USE;

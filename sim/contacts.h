@@ -76,6 +76,7 @@ struct wall {
     double inward; /* +1: lower wall, -1: upper wall: its normal into the box */
     double x, v;   /* coordinate and velocity along the axis at the current step [m, m/s] */
     double force;  /* of the particles on it, outward [N] */
+    int touching;  /* and how many they are */
     double x_list; /* at the last rebuild of the lists */
     struct contact_list contacts;
 };

@@ -46,6 +46,7 @@ void world_settle(const struct world *world)
         return;
     changed->kick_due = false;
     kick(changed, world->dt);
+    particles_locate(&changed->particles);
 }
 
 /* The kick of the last step, if that is still to be done, and the drift of this one. */
@@ -53,7 +54,7 @@ static bool drift(struct world *world)
 {
     const double reach = 0.5 * world->neighbor.skin;
     if (!world->kick_due)
-        return threads_drift(&world->threads, &world->kernels, &world->particles, world->dt, reach);
+        return threads_drift(&world->threads, &world->kernels, &world->particles, world->dt, world->kicked_s, reach);
     struct kick_constants constants = kick_constants_of(world, world->dt);
     double background_w;
     bool far = threads_advance(&world->threads, &world->kernels, &world->particles, &constants, world->dt, reach,
@@ -65,7 +66,9 @@ static bool drift(struct world *world)
 
 void integrate_forces_anew(struct world *world)
 {
-    (void)threads_drift(&world->threads, &world->kernels, &world->particles, 0, INFINITY);
+    particles_enter(&world->particles);
+    world->kicked_s = 0;
+    (void)threads_drift(&world->threads, &world->kernels, &world->particles, 0, 0, INFINITY);
     forces(world, 0);
     kick(world, 0);
 }
@@ -97,6 +100,7 @@ static enum status check_inside(const struct world *world)
 static enum status renew_lists(struct world *world)
 {
     struct neighbor *neighbor = &world->neighbor;
+    particles_locate(&world->particles);
     TRY(check_inside(world));
     neighbor_tune(neighbor, &world->particles, world->walls, world->n_walls, world->step);
     world->pairs.search_max = neighbor_search_max(neighbor, world->step);
@@ -140,5 +144,6 @@ enum status world_step_open(struct world *world)
         TRY(renew_lists(world));
     forces(world, world->dt);
     world->kick_due = true;
+    world->kicked_s = world->dt;
     return interface_step(world, x_before, force_before);
 }

@@ -445,10 +445,13 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
     struct NAME(sums) sums = {0};
     struct NAME(totals) totals = {0};
     struct NAME(chunk) chunk;
+    real touching = real_all(0.0);
     for (size_t k = 0; k < end; k += CHUNK * LANES) {
         const int n = NAME(chunk_size)(k, end);
-        for (int m = 0; m < n; m++)
+        for (int m = 0; m < n; m++) {
             chunk.set[m].at = NAME(meet_wall)(p, wall, k + (size_t)m * LANES);
+            touching = touching + real_where(real_greater(chunk.set[m].at.delta, real_all(0.0)), real_all(1.0));
+        }
         NAME(laws)(&chunk, &law, &slots, k, n, &sums);
         for (int m = 0; m < n; m++)
             NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, chunk.set[m].result, columns);
@@ -458,4 +461,5 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
     for (int c = 0; c < SET_WIDTH; c++)
         total += columns[c];
     wall->force = total * wall->inward;
+    wall->touching = (int)NAME(doubles_sum)(NAME(doubles_of)(touching));
 }

@@ -1,5 +1,6 @@
 /* Drift and kick: what a step does to the particles themselves; and their records for the contacts. Positions and
- * velocities are summed up in double, forces and accelerations are `real`. Parameters as of kernel_law_tmpl.h. */
+ * velocities are summed up in double, or, single, in the integers and floats that contacts have and a rest of each
+ * (particles.h); forces and accelerations are `real`. Parameters as of kernel_law_tmpl.h. */
 
 /* Asks for what `pack` will write a few turns from now: lines that are only written are not fetched ahead by
  * themselves. */
@@ -9,10 +10,6 @@ LANES_INLINE void NAME(pack_ahead)(const struct particles *p, int i)
     const char *record = (const char *)p->record + (size_t)(i + AHEAD) * BYTES;
     for (int b = 0; b < LANES * BYTES; b += 64)
         __builtin_prefetch(record + b, 1);
-#if SINGLE
-    for (int c = 0; c < DIM; c++)
-        __builtin_prefetch(p->view_u[c] + i + AHEAD, 1);
-#endif
 }
 
 /* Writes views and records of LANES particles from i on, with their positions x (single: u) and predicted velocities.
@@ -94,9 +91,8 @@ LANES_INLINE void NAME(take_sums)(struct particles *p, int i, real *force, real 
     memset(rows, 0, LANES * STRIDE * sizeof *rows);
 }
 
-/* LANES particles at the end of a step. */
-struct NAME(motion) {
-    struct NAME(doubles) v[DIM], omega[3];
+/* What LANES particles have been pushed with. */
+struct NAME(push) {
     real a[DIM], alpha[3];
 };
 
@@ -125,16 +121,15 @@ LANES_INLINE double NAME(power)(const struct NAME(kick) * kick, const struct kic
     return k->gamma_b * NAME(doubles_sum)(kick->v2) + k->gamma_br * NAME(doubles_sum)(kick->spin2);
 }
 
-/* Accelerations from forces, background damping and gravity, and velocities at the end of the step. */
-LANES_INLINE struct NAME(motion) NAME(kicked)(struct particles *p, int i, struct NAME(kick) * kick)
+/* Accelerations from forces, background damping and gravity. */
+LANES_INLINE struct NAME(push) NAME(pushed)(struct particles *p, int i, struct NAME(kick) * kick)
 {
-    struct NAME(motion) to;
+    struct NAME(push) to;
     real force[DIM], moment[3], inv_mass = real_load((const scalar *)p->view_inv_mass + i), v2 = real_all(0.0);
     NAME(take_sums)(p, i, force, moment);
     for (int c = 0; c < DIM; c++) {
         real v = real_load((const scalar *)p->view_v[c] + i);
         to.a[c] = real_fma(real_fma(kick->minus_gamma_b, v, force[c]), inv_mass, kick->gravity[c]);
-        to.v[c] = NAME(doubles_fma)(kick->half, NAME(doubles_of)(to.a[c]), NAME(doubles_load)(p->v[c] + i));
         v2 = real_fma(v, v, v2);
     }
     kick->v2 = NAME(doubles_add)(kick->v2, NAME(doubles_of)(v2));
@@ -145,7 +140,6 @@ LANES_INLINE struct NAME(motion) NAME(kicked)(struct particles *p, int i, struct
     for (int c = 0; c < SPRINGS; c++) {
         real omega = real_load((const scalar *)p->view_omega[c] + i);
         to.alpha[c] = real_fma(minus_lever, moment[c], minus_slowing * omega);
-        to.omega[c] = NAME(doubles_fma)(kick->half, NAME(doubles_of)(to.alpha[c]), NAME(doubles_load)(p->omega[c] + i));
         omega2 = real_fma(omega, omega, omega2);
     }
     kick->spin2 = NAME(doubles_add)(kick->spin2, NAME(doubles_of)(radius * radius * omega2));
@@ -156,54 +150,98 @@ LANES_INLINE struct NAME(motion) NAME(kicked)(struct particles *p, int i, struct
 /* Constants of a drift in all lanes, and whether all particles so far are near: no further than sqrt(limit2) from where
  * the lists were built (single: quanta), and not NaN. */
 struct NAME(drift) {
-    f64 dt, half, minus_one, per_quantum;
-    real half_real, limit2;
     real_mask near;
+    real half, limit2;
+#if SINGLE
+    real push;                /* from the middle of the step before to that of the one to come */
+    real quanta, quanta_rest; /* dt, in quanta per m/s; and what rounding left out */
+#else
+    f64 dt, before_half, minus_one;
+#endif
 };
 
-LANES_INLINE struct NAME(drift) NAME(drift_of)(const struct particles *p, double dt_s, double reach_m)
+LANES_INLINE struct NAME(drift) NAME(drift_of)(const struct particles *p, double dt_s, double before_s, double reach_m)
 {
     const real zero = real_all(0.0);
     const double reach = SINGLE ? reach_m / p->quantum : reach_m;
-    return (struct NAME(drift)){.dt = f64_all(dt_s),
-                                .half = f64_all(0.5 * dt_s),
-                                .minus_one = f64_all(-1.0),
-                                .per_quantum = f64_all(1 / p->quantum),
-                                .half_real = real_all(0.5 * dt_s),
-                                .limit2 = real_all(reach * reach),
-                                .near = real_at_least(zero, zero)};
+    struct NAME(drift) to = {.near = real_at_least(zero, zero), .half = real_all(0.5 * dt_s)};
+    to.limit2 = real_all(reach * reach);
+#if SINGLE
+    const double quanta = dt_s / p->quantum;
+    to.push = real_all(0.5 * (before_s + dt_s));
+    to.quanta = real_all(quanta);
+    to.quanta_rest = real_all(quanta - (double)(float)quanta);
+#else
+    to.dt = f64_all(dt_s);
+    to.before_half = f64_all(0.5 * before_s);
+    to.minus_one = f64_all(-1.0);
+#endif
+    return to;
 }
 
-/* Drift: velocities at the middle of the step to come, positions and predicted velocities at its end. */
-LANES_INLINE void NAME(drifted)(struct particles *p, int i, struct NAME(drift) * drift,
-                                const struct NAME(motion) * motion)
+#if SINGLE
+/* One component of velocity or rotation, from the middle of one step to that of the next; returns the predicted one,
+ * and what that of the middle is more in *rest_of. Sums of what is small go first, so that little is lost. */
+LANES_INLINE real NAME(speed)(const struct NAME(drift) * drift, const float *view, float *rest, real a, real *rest_of)
+{
+    const real before = real_load(view), more = real_fma(drift->push, a, real_load(rest));
+    const real after = before + real_fma(drift->half, a, more);
+    *rest_of = (before - after) + more;
+    real_store(rest, *rest_of);
+    return after;
+}
+
+/* One component of the position, in whole quanta, which it returns, and the rest. */
+LANES_INLINE real NAME(place)(const struct NAME(drift) * drift, const int32_t *u, float *rest, real v, real v_rest)
+{
+    const real small = real_fma(drift->quanta, v_rest, real_fma(drift->quanta_rest, v, real_load(rest)));
+    const real whole = f32_round(real_fma(drift->quanta, v, small));
+    real_store(rest, real_fma(drift->quanta, v, -whole) + small);
+    return f32_sum_of_integers(real_load((const float *)u), f32_to_integers(whole));
+}
+#else
+/* One component of velocity or rotation, from the middle of one step, or settled, to the middle of the next. */
+LANES_INLINE real NAME(speed)(const struct NAME(drift) * drift, double *v, real a, bool settled)
+{
+    real now = real_load(v);
+    if (!settled)
+        now = real_fma(drift->before_half, a, now);
+    now = real_fma(drift->half, a, now);
+    real_store(v, now);
+    return now;
+}
+#endif
+
+/* Drift: velocities at the middle of the step to come, positions and predicted velocities at its end. `settled`: the
+ * velocities of p are those of now, not of the middle of the step before. */
+LANES_INLINE void NAME(drifted)(struct particles *p, int i, struct NAME(drift) * drift, const struct NAME(push) * push,
+                                bool settled)
 {
     real place[DIM], v[DIM], omega[3], moved2 = real_all(0.0);
+    (void)settled;
     for (int c = 0; c < DIM; c++) {
-        struct NAME(doubles) a = NAME(doubles_of)(motion->a[c]);
-        struct NAME(doubles) middle = NAME(doubles_fma)(drift->half, a, motion->v[c]);
-        struct NAME(doubles) x = NAME(doubles_fma)(drift->dt, middle, NAME(doubles_load)(p->x[c] + i));
-        struct NAME(doubles) u = NAME(doubles_fma)(drift->minus_one, NAME(doubles_load)(p->x_list[c] + i), x);
-        NAME(doubles_store)(p->v[c] + i, middle);
-        NAME(doubles_store)(p->x[c] + i, x);
-        v[c] = real_fma(drift->half_real, motion->a[c], REAL(narrow)(middle.part));
 #if SINGLE
-        for (int h = 0; h < PARTS; h++)
-            u.part[h] = u.part[h] * drift->per_quantum;
-        place[c] = f32_fixed(u.part);
+        real rest;
+        v[c] = NAME(speed)(drift, (const float *)p->view_v[c] + i, p->v_rest[c] + i, push->a[c], &rest);
+        place[c] = NAME(place)(drift, p->view_u[c] + i, p->u_rest[c] + i, v[c], rest);
         real moved = f32_of_integers(place[c]);
 #else
-        place[c] = x.part[0];
-        real moved = u.part[0];
+        v[c] = NAME(speed)(drift, p->v[c] + i, push->a[c], settled);
+        place[c] = f64_fma(drift->dt, v[c], f64_load(p->x[c] + i));
+        f64_store(p->x[c] + i, place[c]);
+        real moved = f64_fma(drift->minus_one, f64_load(p->x_list[c] + i), place[c]);
+        v[c] = f64_fma(drift->half, push->a[c], v[c]);
 #endif
         moved2 = real_fma(moved, moved, moved2);
     }
 #if FRICTIONAL
     for (int c = 0; c < SPRINGS; c++) {
-        struct NAME(doubles) alpha = NAME(doubles_of)(motion->alpha[c]);
-        struct NAME(doubles) middle = NAME(doubles_fma)(drift->half, alpha, motion->omega[c]);
-        NAME(doubles_store)(p->omega[c] + i, middle);
-        omega[c] = real_fma(drift->half_real, motion->alpha[c], REAL(narrow)(middle.part));
+#if SINGLE
+        real rest;
+        omega[c] = NAME(speed)(drift, (const float *)p->view_omega[c] + i, p->omega_rest[c] + i, push->alpha[c], &rest);
+#else
+        omega[c] = f64_fma(drift->half, push->alpha[c], NAME(speed)(drift, p->omega[c] + i, push->alpha[c], settled));
+#endif
     }
 #endif
     drift->near = real_and(drift->near, real_at_least(drift->limit2, moved2));
@@ -212,39 +250,38 @@ LANES_INLINE void NAME(drifted)(struct particles *p, int i, struct NAME(drift) *
 }
 
 /* The loops here go over a copy of the particles' pointers, which no store can change. */
-static bool NAME(drift)(struct particles *p, double dt_s, double reach_m)
+static bool NAME(drift)(struct particles *p, double dt_s, double before_s, double reach_m)
 {
     struct particles of = *p;
-    struct NAME(drift) drift = NAME(drift_of)(p, dt_s, reach_m);
+    struct NAME(drift) drift = NAME(drift_of)(p, dt_s, before_s, reach_m);
     for (int i = of.from; i < of.count; i += LANES) {
-        struct NAME(motion) motion;
-        for (int c = 0; c < DIM; c++) {
-            motion.v[c] = NAME(doubles_load)(of.v[c] + i);
-            motion.a[c] = REAL(narrow)(NAME(doubles_load)(of.a[c] + i).part);
-        }
+        struct NAME(push) push;
+        for (int c = 0; c < DIM; c++)
+            push.a[c] = REAL(narrow)(NAME(doubles_load)(of.a[c] + i).part);
 #if FRICTIONAL
-        for (int c = 0; c < SPRINGS; c++) {
-            motion.omega[c] = NAME(doubles_load)(of.omega[c] + i);
-            motion.alpha[c] = REAL(narrow)(NAME(doubles_load)(of.alpha[c] + i).part);
-        }
+        for (int c = 0; c < SPRINGS; c++)
+            push.alpha[c] = REAL(narrow)(NAME(doubles_load)(of.alpha[c] + i).part);
 #endif
-        NAME(drifted)(&of, i, &drift, &motion);
+        NAME(drifted)(&of, i, &drift, &push, true);
     }
     return !REAL(mask_all)(drift.near);
 }
 
-LANES_INLINE void NAME(motion_store)(struct particles *p, int i, const struct NAME(motion) * motion)
+/* One component of velocity or rotation at the end of a step. */
+LANES_INLINE void NAME(settle)(const struct NAME(kick) * kick, int i, const void *view, const float *rest, real a,
+                               double *acceleration, double *velocity)
 {
-    for (int c = 0; c < DIM; c++) {
-        NAME(doubles_store)(p->v[c] + i, motion->v[c]);
-        NAME(doubles_store)(p->a[c] + i, NAME(doubles_of)(motion->a[c]));
-    }
-#if FRICTIONAL
-    for (int c = 0; c < SPRINGS; c++) {
-        NAME(doubles_store)(p->omega[c] + i, motion->omega[c]);
-        NAME(doubles_store)(p->alpha[c] + i, NAME(doubles_of)(motion->alpha[c]));
-    }
+    struct NAME(doubles) more = NAME(doubles_of)(a), middle;
+#if SINGLE
+    middle =
+        NAME(doubles_add)(NAME(doubles_of)(real_load((const float *)view + i)), NAME(doubles_of)(real_load(rest + i)));
+#else
+    (void)view;
+    (void)rest;
+    middle = NAME(doubles_load)(velocity + i);
 #endif
+    NAME(doubles_store)(velocity + i, NAME(doubles_fma)(kick->half, more, middle));
+    NAME(doubles_store)(acceleration + i, more);
 }
 
 static double NAME(kick)(struct particles *p, const struct kick_constants *constants)
@@ -252,8 +289,13 @@ static double NAME(kick)(struct particles *p, const struct kick_constants *const
     struct particles of = *p;
     struct NAME(kick) kick = NAME(kick_of)(constants);
     for (int i = of.from; i < of.count; i += LANES) {
-        struct NAME(motion) motion = NAME(kicked)(&of, i, &kick);
-        NAME(motion_store)(&of, i, &motion);
+        struct NAME(push) push = NAME(pushed)(&of, i, &kick);
+        for (int c = 0; c < DIM; c++)
+            NAME(settle)(&kick, i, of.view_v[c], of.v_rest[c], push.a[c], of.a[c], of.v[c]);
+#if FRICTIONAL
+        for (int c = 0; c < SPRINGS; c++)
+            NAME(settle)(&kick, i, of.view_omega[c], of.omega_rest[c], push.alpha[c], of.alpha[c], of.omega[c]);
+#endif
     }
     return NAME(power)(&kick, constants);
 }
@@ -264,10 +306,10 @@ static bool NAME(advance)(struct particles *p, const struct kick_constants *cons
 {
     struct particles of = *p;
     struct NAME(kick) kick = NAME(kick_of)(constants);
-    struct NAME(drift) drift = NAME(drift_of)(p, dt_s, reach_m);
+    struct NAME(drift) drift = NAME(drift_of)(p, dt_s, constants->dt, reach_m);
     for (int i = of.from; i < of.count; i += LANES) {
-        struct NAME(motion) motion = NAME(kicked)(&of, i, &kick);
-        NAME(drifted)(&of, i, &drift, &motion);
+        struct NAME(push) push = NAME(pushed)(&of, i, &kick);
+        NAME(drifted)(&of, i, &drift, &push, false);
     }
     *background_w = NAME(power)(&kick, constants);
     return !REAL(mask_all)(drift.near);

@@ -17,14 +17,15 @@ struct kick_constants {
 typedef void pair_kernel(const struct particles *particles, struct contact_list *pairs, int first, int last,
                          const struct contact_law_constants *law, void *force, struct contact_losses *losses);
 
-/* The same for the contacts of one wall, added to particles->force; sets wall->force. */
+/* The same for the contacts of one wall, added to particles->force; sets the wall's force and how many
+ * touch it. */
 typedef void wall_kernel(struct particles *particles, struct wall *wall, const struct contact_law_constants *law,
                          struct contact_losses *losses);
 
 /* Positions of the next step, velocities of the middle on the way and those predicted for its end; makes views and
- * records. True if a particle is further than reach_m from where the lists were built, or not finite. dt_s = 0 does
- * only that, for particles whose step is complete. */
-typedef bool drift_kernel(struct particles *particles, double dt_s, double reach_m);
+ * records. True if a particle is further than reach_m from where the lists were built, or not finite. before_s: the
+ * time step that kick has completed, 0 if p->v was given anew since. Both 0: only views and records. */
+typedef bool drift_kernel(struct particles *particles, double dt_s, double before_s, double reach_m);
 
 /* Accelerations and velocities of the end of the step; zeroes the sums. Returns the power that background damping takes
  * [W]. */

@@ -131,9 +131,13 @@ LANES_INLINE f32 f32_narrow(const f64 *part)
 {
     return _mm256_set_m128(_mm256_cvtpd_ps(part[1]), _mm256_cvtpd_ps(part[0]));
 }
-LANES_INLINE f32 f32_fixed(const f64 *part)
+LANES_INLINE f32 f32_round(f32 x)
 {
-    return _mm256_castsi256_ps(_mm256_set_m128i(_mm256_cvtpd_epi32(part[1]), _mm256_cvtpd_epi32(part[0])));
+    return _mm256_round_ps(x, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
+}
+LANES_INLINE f32 f32_to_integers(f32 x)
+{
+    return _mm256_castsi256_ps(_mm256_cvtps_epi32(x));
 }
 LANES_INLINE f32 f32_all_integers(int32_t integer)
 {
@@ -146,6 +150,10 @@ LANES_INLINE f32 f32_of_integers(f32 bits)
 LANES_INLINE f32 f32_of_difference(f32 a, f32 b)
 {
     return _mm256_cvtepi32_ps(_mm256_sub_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b)));
+}
+LANES_INLINE f32 f32_sum_of_integers(f32 a, f32 b)
+{
+    return _mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b)));
 }
 /* Rows 0 and 2, 1 and 3 share registers: two halves from memory, and one shuffle a column. */
 LANES_INLINE f64 lanes_two(const double *low, const double *high)

@@ -136,10 +136,13 @@ LANES_INLINE f32 f32_narrow(const f64 *part)
 {
     return lanes_join(_mm512_cvtpd_ps(part[0]), _mm512_cvtpd_ps(part[1]));
 }
-LANES_INLINE f32 f32_fixed(const f64 *part)
+LANES_INLINE f32 f32_round(f32 x)
 {
-    return lanes_join(_mm256_castsi256_ps(_mm512_cvtpd_epi32(part[0])),
-                      _mm256_castsi256_ps(_mm512_cvtpd_epi32(part[1])));
+    return _mm512_roundscale_ps(x, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
+}
+LANES_INLINE f32 f32_to_integers(f32 x)
+{
+    return _mm512_castsi512_ps(_mm512_cvtps_epi32(x));
 }
 LANES_INLINE f32 f32_all_integers(int32_t integer)
 {
@@ -152,6 +155,10 @@ LANES_INLINE f32 f32_of_integers(f32 bits)
 LANES_INLINE f32 f32_of_difference(f32 a, f32 b)
 {
     return _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_castps_si512(a), _mm512_castps_si512(b)));
+}
+LANES_INLINE f32 f32_sum_of_integers(f32 a, f32 b)
+{
+    return _mm512_castsi512_ps(_mm512_add_epi32(_mm512_castps_si512(a), _mm512_castps_si512(b)));
 }
 /* Two records of 4 doubles in one register. */
 LANES_INLINE f64 lanes_two(const double *low, const double *high)

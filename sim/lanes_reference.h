@@ -141,12 +141,16 @@ LANES_INLINE int32_t lanes_integer(float bits)
     memcpy(&integer, &bits, sizeof integer);
     return integer;
 }
-/* Integers in a float's place: the nearest (even if it is between two; INT32_MIN if there is none), the same in every
- * lane, as floats, and the difference of two. */
-LANES_INLINE f32 f32_fixed(const f64 *part)
+/* The nearest whole number, even if it is between two. */
+LANES_INLINE f32 f32_round(f32 x)
 {
-    const double x = part[0];
-    int32_t integer = x > -2147483649.0 && x < 2147483647.5 ? (int32_t)nearbyint(x) : INT32_MIN;
+    return rintf(x);
+}
+/* Integers in a float's place: of whole numbers (INT32_MIN if there is none), the same in every lane, as floats, the
+ * difference and the sum of two. */
+LANES_INLINE f32 f32_to_integers(f32 x)
+{
+    const int32_t integer = x >= -2147483648.0f && x < 2147483648.0f ? (int32_t)x : INT32_MIN;
     f32 bits;
     memcpy(&bits, &integer, sizeof bits);
     return bits;
@@ -164,6 +168,10 @@ LANES_INLINE f32 f32_of_integers(f32 bits)
 LANES_INLINE f32 f32_of_difference(f32 a, f32 b)
 {
     return (float)(int32_t)((uint32_t)lanes_integer(a) - (uint32_t)lanes_integer(b));
+}
+LANES_INLINE f32 f32_sum_of_integers(f32 a, f32 b)
+{
+    return f32_all_integers((int32_t)((uint32_t)lanes_integer(a) + (uint32_t)lanes_integer(b)));
 }
 /* Columns of blocks of 4 doubles or floats that start `base` + row[lane] doubles. */
 LANES_INLINE void f64_gather4(const double *base, const uint32_t *row, f64 *column)

@@ -200,9 +200,7 @@ static double farthest(const struct particles *p, const struct wall *walls, int 
 {
     double most2 = 0;
     for (int i = 0; i < p->count; i++) {
-        double moved2 = 0;
-        for (int c = 0; c < p->dimension; c++)
-            moved2 += (p->x[c][i] - p->x_list[c][i]) * (p->x[c][i] - p->x_list[c][i]);
+        double moved2 = particles_moved2_m2(p, i);
         most2 = moved2 > most2 ? moved2 : most2;
     }
     for (int w = 0; w < n_walls; w++)

@@ -33,6 +33,17 @@ static int paddings(const struct particles *p)
     return p->count < PARTICLES_LARGE_SAMPLE ? 1 : PARTICLES_PADDINGS;
 }
 
+static enum status rests_init(struct particles *p)
+{
+    for (int c = 0; p->single && c < p->dimension; c++) {
+        TRY(array_resize(&p->u_rest[c], sizeof(float), (size_t)p->count, 0));
+        TRY(array_resize(&p->v_rest[c], sizeof(float), (size_t)p->count, 0));
+    }
+    for (int c = 0; p->single && c < p->n_rotations; c++)
+        TRY(array_resize(&p->omega_rest[c], sizeof(float), (size_t)p->count, 0));
+    return STATUS_OK;
+}
+
 static enum status records_init(struct particles *p)
 {
     const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->single);
@@ -46,6 +57,7 @@ static enum status records_init(struct particles *p)
         TRY(array_resize(&p->view_v[c], real, (size_t)p->n_rows, 0));
     for (int c = 0; c < p->n_rotations; c++)
         TRY(array_resize(&p->view_omega[c], real, (size_t)p->n_rows, 0));
+    TRY(rests_init(p));
     for (int k = 0; !p->single && k < paddings(p); k++)
         ((double *)p->record)[(size_t)particles_own_padding(p, k) * stride] = 1e9; /* its first coordinate [m] */
     TRY(array_resize(&p->view_inv_mass, real, (size_t)p->count, 0));
@@ -98,6 +110,9 @@ void particles_free(struct particles *p)
         free(p->view_u[c]);
         free(p->view_v[c]);
         free(p->view_omega[c]);
+        free(p->u_rest[c]);
+        free(p->v_rest[c]);
+        free(p->omega_rest[c]);
     }
     free(p->id);
     free(p->slot);
@@ -139,8 +154,10 @@ static void set_home(struct particles *p)
 {
     const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), true);
     const size_t bytes = (size_t)p->dimension * sizeof(int32_t);
-    for (int c = 0; p->single && c < p->dimension; c++)
+    for (int c = 0; p->single && c < p->dimension; c++) {
         memset(p->view_u[c], 0, (size_t)p->count * sizeof(int32_t));
+        memset(p->u_rest[c], 0, (size_t)p->count * sizeof(float));
+    }
     for (int i = 0; p->single && i < p->count; i++)
         memset((double *)p->record + (size_t)i * stride, 0, bytes);
 }
@@ -151,6 +168,46 @@ void particles_listed(struct particles *p, double skin)
         memcpy(p->x_list[c], p->x[c], (size_t)p->count * sizeof(double));
     particles_set_views(p, skin);
     set_home(p);
+}
+
+/* The nearest float, and what it leaves. */
+static void split(const double *values, int count, float *nearest, float *rest)
+{
+    for (int i = 0; i < count; i++) {
+        nearest[i] = (float)values[i];
+        rest[i] = (float)(values[i] - (double)nearest[i]);
+    }
+}
+
+void particles_enter(struct particles *p)
+{
+    for (int c = 0; p->single && c < p->dimension; c++) {
+        split(p->v[c], p->count, p->view_v[c], p->v_rest[c]);
+        for (int i = 0; i < p->count; i++) {
+            double u = (p->x[c][i] - p->x_list[c][i]) / p->quantum, whole = nearbyint(u);
+            p->view_u[c][i] = (int32_t)whole;
+            p->u_rest[c][i] = (float)(u - whole);
+        }
+    }
+    for (int c = 0; p->single && c < p->n_rotations; c++)
+        split(p->omega[c], p->count, p->view_omega[c], p->omega_rest[c]);
+}
+
+void particles_locate(struct particles *p)
+{
+    for (int c = 0; p->single && c < p->dimension; c++)
+        for (int i = 0; i < p->count; i++)
+            p->x[c][i] = p->x_list[c][i] + p->quantum * ((double)p->view_u[c][i] + (double)p->u_rest[c][i]);
+}
+
+double particles_moved2_m2(const struct particles *p, int i)
+{
+    double moved2 = 0;
+    for (int c = 0; c < p->dimension; c++) {
+        double moved = p->single ? p->quantum * p->view_u[c][i] : p->x[c][i] - p->x_list[c][i];
+        moved2 += moved * moved;
+    }
+    return moved2;
 }
 
 void particles_set_inverse(struct particles *p)

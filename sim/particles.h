@@ -16,8 +16,8 @@ struct particles {
     int n_rotations;  /* components of omega: 0 without friction, 1 in 2D (about x cross z), 3 in 3D */
     int32_t *id;      /* [count] name of the particle in each slot; all else here is by slot (renumber.h) */
     int32_t *slot;    /* [count] and the slot of each id */
-    double *x[3];     /* [count] m; what is state goes into renumber.c too */
-    double *v[3];     /* m/s; between drift and kick that at the middle of the step */
+    double *x[3];     /* [count] m; what is state goes into renumber.c too; single: as of particles_locate */
+    double *v[3];     /* m/s; between drift and kick that at the middle of the step (single: out of date then) */
     double *a[3];     /* m/s^2, when the step is complete */
     double *omega[3]; /* rad/s; like v */
     double *alpha[3]; /* rad/s^2 */
@@ -31,6 +31,9 @@ struct particles {
     void *record;        /* [n_rows][RECORD_STRIDE] what contacts need, side by side; made by drift */
     void *force;         /* sums of contact forces [N] and of moments n x f_t [N]: below; zeroed by kick */
     double quantum;      /* single: the unit of u [m] */
+    /* Single, what the steps go on with: position x_list + quantum (u + u_rest), velocity v* + v_rest and rotation
+     * omega* + omega_rest of the middle of the last step, with u and the predicted v* and omega* of the views: */
+    float *u_rest[3], *v_rest[3], *omega_rest[3]; /* [count] quanta, m/s, rad/s */
     /* As the contacts have them, double or float: */
     void *view_v[3]; /* [n_rows] predicted velocities, made by drift */
     void *view_omega[3];
@@ -74,6 +77,14 @@ void particles_set_mass(struct particles *particles, double density_kg_per_m3);
 /* The lists are built for the positions as they are: x_list, and the quantum, so that u has room for 4 skins. The
  * records say so too. */
 void particles_listed(struct particles *particles, double skin_m);
+
+/* Single: steps go on from x, v and omega as they are in double; or x is brought up to date with the steps. Else
+ * nothing. */
+void particles_enter(struct particles *particles);
+void particles_locate(struct particles *particles);
+
+/* Square of how far particle i is from where the lists were built [m^2]. */
+double particles_moved2_m2(const struct particles *particles, int i);
 
 /* Single: the quantum for lists of this skin, and radii in float. */
 void particles_set_views(struct particles *particles, double skin_m);

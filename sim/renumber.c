@@ -84,6 +84,31 @@ static void permute(double *values, int count, const int32_t *order, double *scr
     memcpy(values, scratch, (size_t)count * sizeof *values);
 }
 
+/* The same for arrays of four bytes: floats, integers. */
+static void permute_small(void *values, int count, const int32_t *order, void *scratch)
+{
+    const unsigned char *from = values;
+    unsigned char *to = scratch;
+    if (!values)
+        return;
+    for (int k = 0; k < count; k++)
+        memcpy(to + sizeof(float) * (size_t)k, from + sizeof(float) * (size_t)order[k], sizeof(float));
+    memcpy(values, scratch, (size_t)count * sizeof(float));
+}
+
+/* Single: what steps go on with. */
+static void permute_steps(struct particles *p, const int32_t *order, void *scratch)
+{
+    for (int c = 0; c < 3; c++) {
+        permute_small(p->view_u[c], p->count, order, scratch);
+        permute_small(p->view_v[c], p->count, order, scratch);
+        permute_small(p->view_omega[c], p->count, order, scratch);
+        permute_small(p->u_rest[c], p->count, order, scratch);
+        permute_small(p->v_rest[c], p->count, order, scratch);
+        permute_small(p->omega_rest[c], p->count, order, scratch);
+    }
+}
+
 /* All that a particle carries from step to step. */
 static enum status permute_particles(struct particles *p, const int32_t *order, int32_t *slot_before)
 {
@@ -102,6 +127,8 @@ static enum status permute_particles(struct particles *p, const int32_t *order, 
     permute(p->mass, p->count, order, scratch);
     permute(p->inv_mass, p->count, order, scratch);
     permute(p->inv_inertia, p->count, order, scratch);
+    if (p->single)
+        permute_steps(p, order, scratch);
     free(scratch);
     for (int k = 0; k < p->count; k++)
         slot_before[k] = p->id[order[k]]; /* only lent: the new ids */

@@ -150,16 +150,16 @@ static struct particles part_of(const struct threads *threads, const struct part
 }
 
 bool threads_drift(const struct threads *threads, const struct kernels *kernels, struct particles *p, double dt_s,
-                   double reach_m)
+                   double before_s, double reach_m)
 {
     const int n = threads->n_parts;
     if (n == 1)
-        return kernels->drift(p, dt_s, reach_m);
+        return kernels->drift(p, dt_s, before_s, reach_m);
     bool far = false;
 #pragma omp parallel for schedule(static) num_threads(threads->n) reduction(|| : far)
     for (int k = 0; k < n; k++) {
         struct particles part = part_of(threads, p, k);
-        far = kernels->drift(&part, dt_s, reach_m) || far;
+        far = kernels->drift(&part, dt_s, before_s, reach_m) || far;
     }
     return far;
 }

@@ -33,7 +33,7 @@ void threads_cut(struct threads *threads, const struct particles *particles, str
 void threads_pair(struct threads *threads, const struct kernels *kernels, struct particles *particles,
                   struct contact_list *pairs, const struct contact_law_constants *law, struct contact_losses *losses);
 bool threads_drift(const struct threads *threads, const struct kernels *kernels, struct particles *particles,
-                   double dt_s, double reach_m);
+                   double dt_s, double before_s, double reach_m);
 bool threads_advance(const struct threads *threads, const struct kernels *kernels, struct particles *particles,
                      const struct kick_constants *constants, double dt_s, double reach_m, double *background_w);
 double threads_kick(const struct threads *threads, const struct kernels *kernels, struct particles *particles,

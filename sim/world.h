@@ -57,7 +57,8 @@ struct world {
     double stage_time_start_s;
     double stage_position_m[SCENE_WALLS_MAX];
     double dt;
-    bool kick_due; /* of the last step: world_step_open */
+    bool kick_due;   /* of the last step: world_step_open */
+    double kicked_s; /* the time step of the last kick, or of the one that is due; 0 at the start of a stage */
 };
 
 /* Makes a world with the model of the scene and room for its particles, without any state yet; for checkpoints. */
