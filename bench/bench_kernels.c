@@ -35,7 +35,7 @@ typedef void part(struct sample *sample, const struct kernels *kernels);
 static void pair_part(struct sample *s, const struct kernels *kernels)
 {
     struct contact_losses losses = {0};
-    kernels->pair(&s->p, &s->pairs, 0, s->pairs.n_sets, &s->law, s->p.force, &losses);
+    kernels->pair(&s->p, &s->pairs, 0, s->pairs.slots.n_spans, &s->law, s->p.force, &losses);
 }
 
 static void wall_part(struct sample *s, const struct kernels *kernels)

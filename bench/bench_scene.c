@@ -63,8 +63,8 @@ static enum status one_pair(void *user)
 {
     struct world *world = at_rest(user);
     struct contact_losses losses = {0};
-    world->kernels.pair(&world->particles, &world->pairs, 0, world->pairs.n_sets, &world->law, world->particles.force,
-                        &losses);
+    world->kernels.pair(&world->particles, &world->pairs, 0, world->pairs.slots.n_spans, &world->law,
+                        world->particles.force, &losses);
     return STATUS_OK;
 }
 

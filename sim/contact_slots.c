@@ -130,21 +130,56 @@ static void fill_history(struct contact_list *list)
     }
 }
 
-static enum status assign(struct contact_list *list, bool wall, int n_particles, int dimension)
+static enum status spans_reserve(struct contact_slots *slots, int n)
+{
+    if (n <= slots->span_capacity)
+        return STATUS_OK;
+    TRY(array_resize(&slots->span, sizeof *slots->span, (size_t)n, 0));
+    slots->span_capacity = n;
+    return STATUS_OK;
+}
+
+/* Blocks and sets of span s. */
+static struct contact_span span_of(const struct deal *deal, int s)
+{
+    const int first = s * SPAN_BLOCKS, end = first + SPAN_BLOCKS, last = end < deal->n_blocks ? end : deal->n_blocks;
+    struct contact_span span = {.first_block = first, .last_block = last, .other = deal_other_set(deal, first)};
+    span.next = deal->chained ? deal_next_set(deal, first) : span.other;
+    span.end = span.other + deal->count[last] - deal->count[first];
+    return span;
+}
+
+static void fill_first(struct contact_slots *slots, const struct deal *deal)
+{
+    for (int b = 0; b < deal->n_blocks; b++) {
+        const int first = deal_other_set(deal, b), n = deal->count[b + 1] - deal->count[b];
+        if (deal->chained)
+            slots->first[deal_next_set(deal, b)] = (uint32_t)(SET_WIDTH * b);
+        for (int set = first; set < first + n; set++)
+            slots->first[set] = (uint32_t)(SET_WIDTH * b);
+    }
+}
+
+static enum status assign_pairs(struct contact_list *list, const struct particles *p)
 {
     struct deal deal;
-    if (wall) {
-        list->n_sets = (list->count + SET_WIDTH - 1) / SET_WIDTH;
-        for (int k = 0; k < list->count; k++)
-            list->slot[k] = 2 * (uint32_t)k;
-        return slots_reserve(list, dimension);
-    }
-    TRY(deal_pairs(list, n_particles, &deal));
-    TRY(slots_reserve(list, dimension));
-    for (int b = 0; b < deal.n_blocks; b++)
-        for (int set = deal.first[b]; set < deal.first[b + 1]; set++)
-            list->slots.first[set] = (uint32_t)(SET_WIDTH * b);
+    TRY(deal_pairs(list, p->count, &deal));
+    TRY(slots_reserve(list, p->dimension));
+    const int n = (deal.n_blocks + SPAN_BLOCKS - 1) / SPAN_BLOCKS;
+    TRY(spans_reserve(&list->slots, n));
+    list->slots.n_spans = n;
+    for (int s = 0; s < n; s++)
+        list->slots.span[s] = span_of(&deal, s);
+    fill_first(&list->slots, &deal);
     return STATUS_OK;
+}
+
+static enum status assign_wall(struct contact_list *list, int dimension)
+{
+    list->n_sets = (list->count + SET_WIDTH - 1) / SET_WIDTH;
+    for (int k = 0; k < list->count; k++)
+        list->slot[k] = 2 * (uint32_t)k;
+    return slots_reserve(list, dimension);
 }
 
 enum status contact_list_place(struct contact_list *list, const struct particles *particles, const struct wall *wall)
@@ -152,11 +187,10 @@ enum status contact_list_place(struct contact_list *list, const struct particles
     const uint32_t stride = RECORD_STRIDE(particles->dimension, particles->n_rotations > 0, particles->single);
     if (list->count > INT32_MAX / (4 * SET_WIDTH))
         return status_fail(STATUS_LIMIT, "%d candidates for contact are too many", list->count);
-    list->n_sets = 0;
     list->closed = true;
+    TRY(wall ? assign_wall(list, particles->dimension) : assign_pairs(list, particles));
     if (list->count == 0)
         return STATUS_OK;
-    TRY(assign(list, wall != NULL, particles->count, particles->dimension));
     /* nothing: no reach, and for walls less than none, for they know no distance to the padding particle */
     empty_slots(list, particles->dimension, stride * (uint32_t)particles_padding(particles), wall ? -1e30 : 0);
     fill_slots(list, particles, wall, stride);

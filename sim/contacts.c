@@ -102,6 +102,7 @@ void contact_list_free(struct contact_list *list)
         free(list->rest[c]);
     }
     free(list->scratch);
+    free(list->slots.span);
     free(list->slots.first);
     free(list->slots.row);
     free(list->slots.gap);

@@ -28,10 +28,14 @@ enum { SPARE_SETS = 2, VISITS_MAX = 256 };
 
 struct table {
     int n_particles, n_blocks;
+    bool chained;
+    int32_t *next; /* [n_particles] the pair with the particle behind it; -1: none */
+    int32_t *pair; /* [n_pairs] the other pairs, which are dealt out */
+    int n_pairs;
     struct column *column; /* [n_particles] */
     int32_t *planned;      /* [n_blocks] sets */
     int32_t *start;        /* [n_blocks + 1] the block's first place in the table */
-    int32_t *first;        /* as in struct deal */
+    int32_t *count;        /* as in struct deal */
     struct entry *entry;   /* [start[n_blocks]] set by set */
     struct entry *over;    /* [n_over] pairs that the table has no place for, and who has them */
     int n_over;
@@ -44,23 +48,52 @@ static enum status lay_out(struct table *t, struct contact_list *list, size_t pl
 {
     const size_t column = sizeof *t->column / sizeof(int32_t) * (size_t)t->n_particles;
     const size_t blocks = (size_t)t->n_blocks, even = blocks + blocks % 2;
-    const size_t before = column + 3 * even + 4 + 2 * (size_t)list->count, size = before + 2 * places;
+    const size_t own = (size_t)t->n_particles + (size_t)t->n_particles % 2;
+    const size_t pairs = (size_t)list->count + (size_t)list->count % 2;
+    const size_t before = column + 3 * even + 4 + own + 3 * pairs, size = before + 2 * places;
     TRY(contact_list_work(list, size, places ? before : 0));
     t->column = (struct column *)list->scratch;
     t->planned = list->scratch + column;
     t->start = t->planned + even;
-    t->first = t->start + even + 2;
-    t->over = (struct entry *)(t->first + even + 2);
-    t->entry = t->over + list->count;
+    t->count = t->start + even + 2;
+    t->next = t->count + even + 2;
+    t->pair = t->next + own;
+    t->over = (struct entry *)(t->pair + pairs);
+    t->entry = t->over + pairs;
     return STATUS_OK;
+}
+
+/* Pairs of a particle and the one behind it, but for where a span of blocks ends. They get sets of their own if these
+ * are filled well enough: one costs the kernels half as much as another. Without branches: they could not be predicted.
+ */
+static void find_next(struct table *t, const struct contact_list *list)
+{
+    enum { SPAN = SPAN_BLOCKS * SET_WIDTH };
+    const int32_t *const i = list->i, *const j = list->j;
+    int n = 0;
+    memset(t->next, -1, (size_t)t->n_particles * sizeof *t->next);
+    for (int k = 0; k < list->count; k++) {
+        const int32_t is_next = (j[k] == i[k] + 1) & (j[k] % SPAN != 0);
+        t->next[i[k]] = is_next ? k : t->next[i[k]];
+    }
+    for (int q = 0; q < t->n_particles; q++)
+        n += t->next[q] >= 0;
+    t->chained = 5 * (int64_t)n > 3 * (int64_t)t->n_particles;
+    if (!t->chained)
+        memset(t->next, -1, (size_t)t->n_particles * sizeof *t->next);
+    t->n_pairs = 0;
+    for (int k = 0; k < list->count; k++) {
+        t->pair[t->n_pairs] = k;
+        t->n_pairs += t->next[i[k]] != k;
+    }
 }
 
 static void count_pairs(struct table *t, const struct contact_list *list)
 {
     memset(t->column, 0, (size_t)t->n_particles * sizeof *t->column);
-    for (int k = 0; k < list->count; k++) {
-        t->column[list->i[k]].left++;
-        t->column[list->j[k]].left++;
+    for (int m = 0; m < t->n_pairs; m++) {
+        t->column[list->i[t->pair[m]]].left++;
+        t->column[list->j[t->pair[m]]].left++;
     }
 }
 
@@ -175,8 +208,9 @@ static void pass_on(struct table *t, int pair, int i, int j)
 static void deal_out(struct table *t, const struct contact_list *list)
 {
     struct column *const columns = t->column;
-    const int32_t *const i = list->i, *const j = list->j, count = list->count;
-    for (int k = 0; k < count; k++) {
+    const int32_t *const i = list->i, *const j = list->j, n_pairs = t->n_pairs;
+    for (int m = 0; m < n_pairs; m++) {
+        const int32_t k = t->pair[m];
         struct column *of_i = &columns[i[k]], *of_j = &columns[j[k]];
         const int32_t to_j = (int64_t)of_j->room * of_i->left > (int64_t)of_i->room * of_j->left, both = i[k] ^ j[k];
         const int32_t owner = i[k] ^ (both & -to_j);
@@ -201,7 +235,7 @@ static void number_sets(struct table *t)
         t->column[q].left = 0;
     for (int m = 0; m < t->n_over; m++)
         t->column[t->over[m].other].left++;
-    t->first[0] = 0;
+    t->count[0] = 0;
     for (int b = 0; b < t->n_blocks; b++) {
         int most = 0;
         for (int l = 0; l < lanes_of(t, b); l++) {
@@ -209,31 +243,45 @@ static void number_sets(struct table *t)
             int length = (column->next - t->start[b]) / SET_WIDTH + column->left;
             most = length > most ? length : most;
         }
-        t->first[b + 1] = t->first[b] + most;
+        t->count[b + 1] = t->count[b] + most;
     }
 }
 
-static void number_block(const struct table *t, int b, struct contact_list *list)
+int deal_next_set(const struct deal *deal, int b)
+{
+    return deal->count[b / SPAN_BLOCKS * SPAN_BLOCKS] + b;
+}
+
+int deal_other_set(const struct deal *deal, int b)
+{
+    const int end = (b / SPAN_BLOCKS + 1) * SPAN_BLOCKS, blocks = end < deal->n_blocks ? end : deal->n_blocks;
+    return deal->count[b] + (deal->chained ? blocks : 0);
+}
+
+static void number_block(const struct table *t, const struct deal *deal, int b, struct contact_list *list)
 {
     const struct column *column = &t->column[SET_WIDTH * b];
-    const int lanes = lanes_of(t, b);
-    for (int at = t->start[b], set = t->first[b]; set < t->first[b + 1] && at < t->start[b + 1]; at += SET_WIDTH, set++)
+    const int lanes = lanes_of(t, b), first = deal_other_set(deal, b), end = first + t->count[b + 1] - t->count[b];
+    for (int at = t->start[b], set = first; set < end && at < t->start[b + 1]; at += SET_WIDTH, set++)
         for (int l = 0; l < lanes; l++)
             if (at + l < column[l].next)
                 list->slot[t->entry[at + l].pair] = slot_of(set, SET_WIDTH * b + l, t->entry[at + l].other);
 }
 
-static void number_slots(const struct table *t, struct contact_list *list)
+static void number_slots(const struct table *t, const struct deal *deal, struct contact_list *list)
 {
     for (int b = 0; b < t->n_blocks; b++)
-        number_block(t, b, list);
+        number_block(t, deal, b, list);
+    for (int q = 0; q < t->n_particles; q++)
+        if (t->next[q] >= 0)
+            list->slot[t->next[q]] = slot_of(deal_next_set(deal, q / SET_WIDTH), q, q + 1);
     for (int m = 0; m < t->n_over; m++) {
         const int k = t->over[m].pair, owner = t->over[m].other, b = owner / SET_WIDTH;
         struct column *column = &t->column[owner];
         const int place = (column->next - t->start[b]) / SET_WIDTH + --column->left;
-        list->slot[k] = slot_of(t->first[b] + place, owner, list->i[k] + list->j[k] - owner);
+        list->slot[k] = slot_of(deal_other_set(deal, b) + place, owner, list->i[k] + list->j[k] - owner);
     }
-    list->n_sets = t->first[t->n_blocks];
+    list->n_sets = t->count[t->n_blocks] + (t->chained ? t->n_blocks : 0);
 }
 
 enum status deal_pairs(struct contact_list *list, int n_particles, struct deal *deal)
@@ -241,12 +289,13 @@ enum status deal_pairs(struct contact_list *list, int n_particles, struct deal *
     struct table t = {.n_particles = n_particles, .n_blocks = (n_particles + SET_WIDTH - 1) / SET_WIDTH};
     t.visits_max = list->search_max > 0 && list->search_max < VISITS_MAX ? list->search_max : VISITS_MAX;
     TRY(lay_out(&t, list, 0));
+    find_next(&t, list);
     count_pairs(&t, list);
     plan(&t);
     TRY(lay_out(&t, list, (size_t)t.start[t.n_blocks]));
     deal_out(&t, list);
     number_sets(&t);
-    number_slots(&t, list);
-    *deal = (struct deal){.n_blocks = t.n_blocks, .first = t.first};
+    *deal = (struct deal){.n_blocks = t.n_blocks, .chained = t.chained, .count = t.count};
+    number_slots(&t, deal, list);
     return STATUS_OK;
 }

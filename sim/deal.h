@@ -5,11 +5,17 @@
 
 #include "sim/contacts.h"
 
-/* Sets of the blocks: block b, particles SET_WIDTH b and on, has sets first[b] ... first[b + 1] - 1. */
+/* Sets of the blocks, particles SET_WIDTH b and on: block b has count[b + 1] - count[b], and if `chained` one more,
+ * that of each particle's neighbour in the order. Those of a span of blocks follow each other (contacts.h). */
 struct deal {
     int n_blocks;
-    const int32_t *first; /* [n_blocks + 1] in the list's working memory, until it is dealt out again */
+    bool chained;
+    const int32_t *count; /* [n_blocks + 1] in the list's working memory, until it is dealt out again */
 };
+
+/* The set of neighbours in the order, and the first of the others, of block b. */
+int deal_next_set(const struct deal *deal, int b);
+int deal_other_set(const struct deal *deal, int b);
 
 /* Deals the pairs of the list (i < j, of n_particles) out: list->slot and list->n_sets. The same list and search_max
  * give the same slots. Errors: STATUS_NO_MEMORY. */

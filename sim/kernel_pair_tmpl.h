@@ -70,7 +70,7 @@ LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, size_t f
     return to;
 }
 
-/* What a range of sets is done with. */
+/* What a range of sets is done with. Where there is `next`, a constant: whether each j is the particle behind i. */
 struct NAME(range) {
     const struct particles *p;
     struct contact_slots slots;
@@ -83,14 +83,15 @@ struct NAME(range) {
 
 /* First part of LANES pairs of a set, from its slot l on: what the law wants to know of them but for the root of the
  * distance, for which the reach is in the place of `inverse` and, single, reach^2 - d^2 in that of delta. */
-LANES_INLINE struct NAME(meeting) NAME(approach)(const struct NAME(range) * r, size_t set, size_t l)
+LANES_INLINE struct NAME(meeting) NAME(approach)(const struct NAME(range) * r, bool next, size_t set, size_t l)
 {
     const struct particles *p = r->p;
     const struct contact_slots *slots = &r->slots;
     struct NAME(meeting) at;
     const size_t k = set * SET_WIDTH + l, first = slots->first[set] + l;
     at.inverse = real_load((const scalar *)slots->reach + k);
-    const struct NAME(other) i = NAME(beside)(p, first), j = NAME(other)(p, slots->row + k);
+    const struct NAME(other) i = NAME(beside)(p, first),
+                             j = next ? NAME(beside)(p, first + 1) : NAME(other)(p, slots->row + k);
 #if SINGLE
     /* d = D + q (u_i - u_j), D at the last build; reach^2 - d^2 = (reach^2 - D^2) - (d + D)(d - D), of which nothing is
      * a difference of large numbers */
@@ -189,19 +190,39 @@ LANES_INLINE void NAME(add_rows)(void *force, const uint32_t *row, const struct 
 #undef ROW
 }
 
-/* Last part: sums of the particles j, and of i, which are side by side. */
-LANES_INLINE void NAME(add_pair)(const struct NAME(range) * r, size_t set, size_t l,
-                                 const struct NAME(contact_result) * result)
+/* Last part: sums of the particles j, and of i, which are side by side. If j are the particles behind i, the sums start
+ * here, with the forces on i, and on j those of the lane before; `before`: result of the vector before. */
+LANES_INLINE void NAME(add_pair)(const struct NAME(range) * r, bool next, size_t set, size_t l,
+                                 const struct NAME(contact_result) * result, struct NAME(contact_result) * before)
 {
     const int rows = r->p->n_rows;
     scalar *to = r->own + r->slots.first[set] + l;
-    NAME(add_rows)(r->force, r->slots.row + set * SET_WIDTH + l, result);
-    for (int c = 0; c < DIM; c++, to += rows)
-        real_store(to, real_load(to) - result->force[c]);
+    if (!next)
+        NAME(add_rows)(r->force, r->slots.row + set * SET_WIDTH + l, result);
+    for (int c = 0; c < DIM; c++, to += rows) {
+        const real sum = next ? REAL(shifted)(before->force[c], result->force[c]) : real_load(to);
+        real_store(to, sum - result->force[c]);
+    }
 #if FRICTIONAL
-    for (int c = 0; c < SPRINGS; c++, to += rows)
-        real_store(to, real_load(to) + result->moment[c]);
+    for (int c = 0; c < SPRINGS; c++, to += rows) {
+        const real sum = next ? REAL(shifted)(before->moment[c], result->moment[c]) : real_load(to);
+        real_store(to, sum + result->moment[c]);
+    }
 #endif
+    if (next)
+        *before = *result;
+}
+
+LANES_INLINE struct NAME(contact_result) NAME(no_result)(void)
+{
+    struct NAME(contact_result) none;
+    for (int c = 0; c < DIM; c++)
+        none.force[c] = real_all(0.0);
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++)
+        none.moment[c] = real_all(0.0);
+#endif
+    return none;
 }
 
 /* The sets of contacts are independent but for the sums, and each is one long chain of operations; many of a chain's
@@ -269,12 +290,12 @@ LANES_INLINE void NAME(ask)(const struct particles *p, const void *force, const 
  * nothing, before the first one. */
 struct NAME(under_way) {
     struct NAME(meeting) near, next;
-    struct NAME(contact_result) done;
+    struct NAME(contact_result) done, before;
     size_t done_set, done_l;
 };
 
-LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, size_t set, size_t l, struct NAME(under_way) * way,
-                              struct NAME(sums) * sums)
+LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, bool next, size_t set, size_t l,
+                              struct NAME(under_way) * way, struct NAME(sums) * sums)
 {
     struct NAME(memory) memory = NAME(memory_at)(&r->slots, set * SET_WIDTH + l);
     struct NAME(meeting) at = way->next;
@@ -282,63 +303,63 @@ LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, size_t set, size_t l
     way->next = way->near;
     NAME(root)(&way->next);
     if (set_ahead < r->last)
-        way->near = NAME(approach)(r, set_ahead, ahead % SET_WIDTH);
+        way->near = NAME(approach)(r, next, set_ahead, ahead % SET_WIDTH);
     struct NAME(touch) touch = NAME(touch)(&r->law, &at, &memory, sums);
     struct NAME(contact_result) result = NAME(force)(&r->law, &touch, &memory, sums);
     if (SINGLE)
-        NAME(add_pair)(r, way->done_set, way->done_l, &way->done);
+        NAME(add_pair)(r, next, way->done_set, way->done_l, &way->done, &way->before);
     else
-        NAME(add_pair)(r, set, l, &result);
+        NAME(add_pair)(r, next, set, l, &result, &way->before);
     way->done = result;
     way->done_set = set;
     way->done_l = l;
 }
 
-LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, struct NAME(sums) * sums,
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool next, bool large, struct NAME(sums) * sums,
                                    struct NAME(totals) * totals)
 {
     enum { TOGETHER = CLOSE_EVERY / SET_WIDTH };
     const bool one = LANES == SET_WIDTH && r->first + 1 == r->last; /* there is no second vector */
     struct NAME(under_way) way = {.done_set = r->first};
-    for (int c = 0; c < DIM; c++)
-        way.done.force[c] = real_all(0.0);
-    way.next = NAME(approach)(r, r->first, 0);
-    way.near = NAME(approach)(r, r->first + (LANES == SET_WIDTH && !one), LANES % SET_WIDTH);
+    way.done = way.before = NAME(no_result)();
+    way.next = NAME(approach)(r, next, r->first, 0);
+    way.near = NAME(approach)(r, next, r->first + (LANES == SET_WIDTH && !one), LANES % SET_WIDTH);
     NAME(root)(&way.next);
     for (size_t from = r->first, to; from < r->last; from = to) {
         to = from + TOGETHER < r->last ? from + TOGETHER : r->last;
         for (size_t set = from; set < to; set++) {
-            for (size_t l = 0; large && l < SET_WIDTH && set + ASK_AHEAD < r->last; l += LANES)
+            for (size_t l = 0; large && !next && l < SET_WIDTH && set + ASK_AHEAD < r->last; l += LANES)
                 NAME(ask)(r->p, r->force, r->slots.row + (set + ASK_AHEAD) * SET_WIDTH + l);
             for (size_t l = 0; l < SET_WIDTH; l += LANES)
-                NAME(go_on)(r, set, l, &way, sums);
+                NAME(go_on)(r, next, set, l, &way, sums);
         }
         if (SINGLE)
             NAME(sums_close)(sums, totals);
     }
     if (SINGLE)
-        NAME(add_pair)(r, way.done_set, way.done_l, &way.done);
+        NAME(add_pair)(r, next, way.done_set, way.done_l, &way.done, &way.before);
 }
 #else
-LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, struct NAME(sums) * sums,
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool next, bool large, struct NAME(sums) * sums,
                                    struct NAME(totals) * totals)
 {
     struct NAME(chunk) chunk;
+    struct NAME(contact_result) before = NAME(no_result)();
     const size_t start = r->first * SET_WIDTH, end = r->last * SET_WIDTH;
     for (size_t k = start; k < end; k += CHUNK * LANES) {
         const size_t second = k + CHUNK * LANES;
         const int n = NAME(chunk_size)(k, end);
-        for (size_t next = second; large && next < end && next < second + CHUNK * LANES; next += LANES)
-            NAME(ask)(r->p, r->force, r->slots.row + next);
+        for (size_t ahead = second; large && !next && ahead < end && ahead < second + CHUNK * LANES; ahead += LANES)
+            NAME(ask)(r->p, r->force, r->slots.row + ahead);
         for (int m = 0; m < n; m++) {
             const size_t at = k + (size_t)m * LANES;
-            chunk.set[m].at = NAME(approach)(r, at / SET_WIDTH, at % SET_WIDTH);
+            chunk.set[m].at = NAME(approach)(r, next, at / SET_WIDTH, at % SET_WIDTH);
             NAME(root)(&chunk.set[m].at);
         }
         NAME(laws)(&chunk, &r->law, &r->slots, k, n, sums);
         for (int m = 0; m < n; m++) {
             const size_t at = k + (size_t)m * LANES;
-            NAME(add_pair)(r, at / SET_WIDTH, at % SET_WIDTH, &chunk.set[m].result);
+            NAME(add_pair)(r, next, at / SET_WIDTH, at % SET_WIDTH, &chunk.set[m].result, &before);
         }
         if (SINGLE && (k - start) % CLOSE_EVERY == 0)
             NAME(sums_close)(sums, totals);
@@ -346,26 +367,47 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool large, str
 }
 #endif
 
+/* The sums of a span's blocks start from nothing, where no pairs of neighbours in the order start them. */
+static void NAME(start_sums)(const struct NAME(range) * r, const struct contact_span *span)
+{
+    const size_t first = (size_t)span->first_block * SET_WIDTH, last = (size_t)span->last_block * SET_WIDTH;
+    for (int c = 0; c < DIM + FRICTIONAL * SPRINGS; c++)
+        memset(r->own + (size_t)c * (size_t)r->p->n_rows + first, 0, (last - first) * sizeof(scalar));
+}
+
+LANES_INLINE void NAME(go_through_span)(struct NAME(range) * r, const struct contact_span *span, bool large,
+                                        struct NAME(sums) * sums, struct NAME(totals) * totals)
+{
+    r->first = (size_t)span->next;
+    r->last = (size_t)span->other;
+    if (r->first < r->last)
+        NAME(go_through)(r, true, large, sums, totals);
+    else
+        NAME(start_sums)(r, span);
+    r->first = (size_t)span->other;
+    r->last = (size_t)span->end;
+    if (r->first < r->last)
+        NAME(go_through)(r, false, large, sums, totals);
+}
+
 static void NAME(pair)(const struct particles *p, struct contact_list *pairs, int first, int last,
                        const struct contact_law_constants *constants, void *force, struct contact_losses *losses)
 {
     void *own = (char *)force + PARTICLES_OWN_OFFSET(p->n_rows, DIM, FRICTIONAL, SINGLE);
-    const struct NAME(range) range = {.p = p,
-                                      .slots = pairs->slots,
-                                      .law = NAME(law_of)(constants),
-                                      .quantum = (scalar)p->quantum,
-                                      .first = (size_t)first,
-                                      .last = (size_t)last,
-                                      .force = force,
-                                      .own = own};
+    struct NAME(range) range = {.p = p,
+                                .slots = pairs->slots,
+                                .law = NAME(law_of)(constants),
+                                .quantum = (scalar)p->quantum,
+                                .force = force,
+                                .own = own};
+    const bool large = p->count >= PARTICLES_LARGE_SAMPLE;
     struct NAME(sums) sums = {0};
     struct NAME(totals) totals = {0};
-    if (first >= last)
-        return;
-    if (p->count >= PARTICLES_LARGE_SAMPLE)
-        NAME(go_through)(&range, true, &sums, &totals);
-    else
-        NAME(go_through)(&range, false, &sums, &totals);
+    for (int s = first; s < last; s++)
+        if (large)
+            NAME(go_through_span)(&range, &pairs->slots.span[s], true, &sums, &totals);
+        else
+            NAME(go_through_span)(&range, &pairs->slots.span[s], false, &sums, &totals);
     NAME(sums_close)(&sums, &totals);
     NAME(totals_add)(&totals, constants, losses);
 }

@@ -58,7 +58,7 @@ LANES_INLINE void NAME(pack)(struct particles *p, int i, const real *x, const re
 #endif
 }
 
-/* Forces and moments of LANES particles: their rows and columns, which start anew from zero. */
+/* Forces and moments of LANES particles: their rows and columns; the rows start anew from zero. */
 LANES_INLINE void NAME(take_sums)(struct particles *p, int i, real *force, real *moment)
 {
     enum { STRIDE = ROW_BYTES(DIM, FRICTIONAL, SINGLE) / (int)sizeof(scalar) };
@@ -78,15 +78,11 @@ LANES_INLINE void NAME(take_sums)(struct particles *p, int i, real *force, real 
     f64_load4(rows + FORCE_MOMENT(3), STRIDE, row + FORCE_MOMENT(3));
 #endif
 #endif
-    for (int c = 0; c < DIM; c++, own += p->n_rows) {
+    for (int c = 0; c < DIM; c++, own += p->n_rows)
         force[c] = row[c] + real_load(own);
-        real_store(own, real_all(0.0));
-    }
 #if FRICTIONAL
-    for (int c = 0; c < SPRINGS; c++, own += p->n_rows) {
+    for (int c = 0; c < SPRINGS; c++, own += p->n_rows)
         moment[c] = row[FORCE_MOMENT(DIM) + c] + real_load(own);
-        real_store(own, real_all(0.0));
-    }
 #endif
     memset(rows, 0, LANES * STRIDE * sizeof *rows);
 }
@@ -249,6 +245,26 @@ LANES_INLINE void NAME(drifted)(struct particles *p, int i, struct NAME(drift) *
     NAME(pack)(p, i, place, v, omega);
 }
 
+/* What stands behind the last particle, up to a whole block, does not fall: its places are in no list. */
+static void NAME(hold_padding)(struct particles *p, const struct kick_constants *k)
+{
+    const size_t count = (size_t)p->count, rest = (size_t)(-p->count & (SET_WIDTH - 1));
+    if (k->gravity[0] == 0 && k->gravity[1] == 0 && k->gravity[2] == 0)
+        return;
+    for (int c = 0; c < DIM; c++) {
+#if SINGLE
+        memset(p->view_u[c] + count, 0, rest * sizeof(int32_t));
+        memset(p->u_rest[c] + count, 0, rest * sizeof(float));
+        memset(p->v_rest[c] + count, 0, rest * sizeof(float));
+#else
+        memcpy(p->x[c] + count, p->x_list[c] + count, rest * sizeof(double));
+#endif
+        memset(p->v[c] + count, 0, rest * sizeof(double));
+        memset(p->a[c] + count, 0, rest * sizeof(double));
+        memset((scalar *)p->view_v[c] + count, 0, rest * sizeof(scalar));
+    }
+}
+
 /* The loops here go over a copy of the particles' pointers, which no store can change. */
 static bool NAME(drift)(struct particles *p, double dt_s, double before_s, double reach_m)
 {
@@ -297,6 +313,7 @@ static double NAME(kick)(struct particles *p, const struct kick_constants *const
             NAME(settle)(&kick, i, of.view_omega[c], of.omega_rest[c], push.alpha[c], of.alpha[c], of.omega[c]);
 #endif
     }
+    NAME(hold_padding)(&of, constants);
     return NAME(power)(&kick, constants);
 }
 
@@ -311,6 +328,7 @@ static bool NAME(advance)(struct particles *p, const struct kick_constants *cons
         struct NAME(push) push = NAME(pushed)(&of, i, &kick);
         NAME(drifted)(&of, i, &drift, &push, false);
     }
+    NAME(hold_padding)(&of, constants);
     *background_w = NAME(power)(&kick, constants);
     return !REAL(mask_all)(drift.near);
 }

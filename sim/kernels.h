@@ -11,9 +11,9 @@ struct kick_constants {
     double gravity[3];        /* m/s^2, components as the particles' */
 };
 
-/* Forces and moments of the pairs in sets first ... last - 1 of the list, added to `force`: particles->force, or
- * another array of that kind (particles.h), so that ranges can be done at the same time. History, springs and
- * sliding change. Adds the energy lost. */
+/* Forces and moments of the pairs in spans first ... last - 1 of the list, in `force`: particles->force, or another
+ * array of that kind (particles.h). They are added to the rows, and the columns of the spans' particles are set.
+ * History, springs and sliding change. Adds the energy lost. */
 typedef void pair_kernel(const struct particles *particles, struct contact_list *pairs, int first, int last,
                          const struct contact_law_constants *law, void *force, struct contact_losses *losses);
 
@@ -27,8 +27,8 @@ typedef void wall_kernel(struct particles *particles, struct wall *wall, const s
  * time step that kick has completed, 0 if p->v was given anew since. Both 0: only views and records. */
 typedef bool drift_kernel(struct particles *particles, double dt_s, double before_s, double reach_m);
 
-/* Accelerations and velocities of the end of the step; zeroes the sums. Returns the power that background damping takes
- * [W]. */
+/* Accelerations and velocities of the end of the step; zeroes the rows of the sums. Returns the power that background
+ * damping takes [W]. */
 typedef double kick_kernel(struct particles *particles, const struct kick_constants *constants);
 
 /* The kick of a step and the drift of the next in one pass, the same bits as one after the other. */

@@ -122,6 +122,15 @@ LANES_INLINE double f64_sum(f64 x)
     __m128d two = _mm_add_pd(_mm256_castpd256_pd128(x), _mm256_extractf128_pd(x, 1));
     return _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)));
 }
+LANES_INLINE f64 f64_shifted(f64 before, f64 x)
+{
+    return _mm256_shuffle_pd(_mm256_permute2f128_pd(before, x, 0x21), x, 5);
+}
+LANES_INLINE f32 f32_shifted(f32 before, f32 x)
+{
+    __m256i middle = _mm256_castps_si256(_mm256_permute2f128_ps(before, x, 0x21));
+    return _mm256_castsi256_ps(_mm256_alignr_epi8(_mm256_castps_si256(x), middle, 12));
+}
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {
     part[0] = _mm256_cvtps_pd(_mm256_castps256_ps128(x));
@@ -284,8 +293,7 @@ LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)
 {
     return (char *)base + (size_t)unit * row;
 }
-/* Sums: the rows go through memory, so that no port is kept busy with taking registers apart; compilers would. */
-#define LANES_IN_MEMORY(array) __asm__("" : "+m"(array))
+/* Sums, row by row. */
 LANES_INLINE void f64_add2(void *base, const uint32_t *row, const f64 *column)
 {
     double buffer[2][4] __attribute__((aligned(32)));

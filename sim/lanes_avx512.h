@@ -123,6 +123,14 @@ LANES_INLINE double f64_sum(f64 x)
     __m128d two = _mm_add_pd(_mm256_castpd256_pd128(four), _mm256_extractf128_pd(four, 1));
     return _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)));
 }
+LANES_INLINE f64 f64_shifted(f64 before, f64 x)
+{
+    return _mm512_castsi512_pd(_mm512_alignr_epi64(_mm512_castpd_si512(x), _mm512_castpd_si512(before), 7));
+}
+LANES_INLINE f32 f32_shifted(f32 before, f32 x)
+{
+    return _mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(x), _mm512_castps_si512(before), 15));
+}
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {
     part[0] = _mm512_cvtps_pd(_mm512_castps512_ps256(x));
@@ -350,8 +358,7 @@ LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)
 {
     return (char *)base + (size_t)unit * row;
 }
-/* Sums: the rows go through memory, so that no port is kept busy with taking registers apart; compilers would. */
-#define LANES_IN_MEMORY(array) __asm__("" : "+m"(array))
+/* Sums, row by row. */
 LANES_INLINE void lanes_add_row2(double *to, const double *row)
 {
     _mm_storeu_pd(to, _mm_loadu_pd(to) + _mm_loadu_pd(row));

@@ -125,6 +125,17 @@ LANES_INLINE double f64_sum(f64 x)
 {
     return x;
 }
+/* Each lane from the one before it, the first from the last of `before`. */
+LANES_INLINE f64 f64_shifted(f64 before, f64 x)
+{
+    (void)x;
+    return before;
+}
+LANES_INLINE f32 f32_shifted(f32 before, f32 x)
+{
+    (void)x;
+    return before;
+}
 /* F32_LANES/F64_LANES f64 from an f32. */
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {

@@ -58,6 +58,8 @@ static enum status records_init(struct particles *p)
     for (int c = 0; c < p->n_rotations; c++)
         TRY(array_resize(&p->view_omega[c], real, (size_t)p->n_rows, 0));
     TRY(rests_init(p));
+    for (int k = 0; !p->single && k < ARRAY_PADDING; k++) /* no two behind the last particle at one place */
+        p->x[0][p->count + k] = p->x_list[0][p->count + k] = -1e6 * (k + 1);
     for (int k = 0; !p->single && k < paddings(p); k++)
         ((double *)p->record)[(size_t)particles_own_padding(p, k) * stride] = 1e9; /* its first coordinate [m] */
     TRY(array_resize(&p->view_inv_mass, real, (size_t)p->count, 0));

@@ -29,7 +29,7 @@ struct particles {
     bool single;         /* contacts in float (mixed precision) */
     int n_rows;          /* of records and sums: whole vectors, and the padding particles behind them */
     void *record;        /* [n_rows][RECORD_STRIDE] what contacts need, side by side; made by drift */
-    void *force;         /* sums of contact forces [N] and of moments n x f_t [N]: below; zeroed by kick */
+    void *force;         /* sums of contact forces [N] and of moments n x f_t [N]: below; rows are zeroed by kick */
     double quantum;      /* single: the unit of u [m] */
     /* Single, what the steps go on with: position x_list + quantum (u + u_rest), velocity v* + v_rest and rotation
      * omega* + omega_rest of the middle of the last step, with u and the predicted v* and omega* of the views: */
@@ -46,7 +46,7 @@ struct particles {
  * [u0 u1 v0 v1]; 3D [u0 u1 u2 v0 v1 v2 omega0 omega1].
  * Sums, double or float: first a row for each particle, 2D [f0 f1], with friction [f0 f1 moment -]; 3D [f0 f1 f2 -],
  * with friction [moment0 moment1 moment2 -]. Behind the rows a column of n_rows for each component of force and moment,
- * for sums over particles side by side. Torque = -a moment. */
+ * for sums over particles side by side, which the kernel of the pairs starts anew. Torque = -a moment. */
 #define RECORD_STRIDE(dimension, frictional, single)                                                                   \
     ((single) ? ((dimension) == 2 ? 2 : 4) : (dimension) == 2 ? ((frictional) ? 8 : 4) : ((frictional) ? 16 : 8))
 #define ROW_BYTES(dimension, frictional, single)                                                                       \

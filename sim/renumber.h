@@ -1,5 +1,5 @@
-/* Particles put into an order in which neighbours in space are neighbours in memory, now and then, where the sample is
- * larger than the caches. Every particle keeps its id; records and hashes are in the order of ids. */
+/* Particles put into an order in which neighbours in space are neighbours in memory, now and then. Every particle keeps
+ * its id; records and hashes are in the order of ids. */
 #ifndef SHAKEDOWN_SIM_RENUMBER_H
 #define SHAKEDOWN_SIM_RENUMBER_H
 
@@ -8,8 +8,9 @@
 /* Steps between renumberings as the scene says, or by the number of particles; 0: never. */
 int64_t renumber_interval(int64_t scene_steps, int count);
 
-/* Sorts the particles into rows of cells, slabs along the longest side of the sample, and lists and histories with
- * them. The order depends on positions and on the order so far, on nothing else. To be followed by drift (the records
+/* Sorts the particles along paths from candidate to candidate (path.h), by rows of cells, slabs along the longest side
+ * of the sample, and lists and histories with them. The order depends on positions, candidates and on the order so far,
+ * on nothing else. To be followed by drift (the records
  * are stale) and neighbor_build. Errors: STATUS_NO_MEMORY. */
 enum status renumber(struct particles *particles, struct contact_list *pairs, struct wall *walls, int n_walls) MUST_USE;
 

@@ -58,19 +58,17 @@ static void take_piece(struct threads_piece *piece, int k, const struct particle
                    own = stride * (uint32_t)particles_own_padding(p, k);
     uint32_t lo = UINT32_MAX, hi = 0;
     uint32_t *row = pairs->slots.row;
-    for (int s = piece->first_set * SET_WIDTH; s < piece->last_set * SET_WIDTH; s++) {
+    const struct contact_span *first = &pairs->slots.span[piece->first_span],
+                              *last = &pairs->slots.span[piece->last_span - 1];
+    for (int s = first->next * SET_WIDTH; s < last->end * SET_WIDTH; s++) {
         const bool empty = row[s] == padding;
         lo = row[s] < lo ? row[s] : lo;
         hi = !empty && row[s] > hi ? row[s] : hi;
         row[s] = empty ? own : row[s];
     }
-    piece->lo = (int)(lo / stride);
-    piece->hi = (int)(hi / stride);
-    for (int set = piece->first_set; set < piece->last_set; set++) {
-        int i = (int)pairs->slots.first[set];
-        piece->lo = i < piece->lo ? i : piece->lo;
-        piece->hi = i + SET_WIDTH - 1 > piece->hi ? i + SET_WIDTH - 1 : piece->hi;
-    }
+    const int lowest = first->first_block * SET_WIDTH, highest = last->last_block * SET_WIDTH - 1;
+    piece->lo = (int)(lo / stride) < lowest ? (int)(lo / stride) : lowest;
+    piece->hi = (int)(hi / stride) > highest ? (int)(hi / stride) : highest;
 }
 
 /* Whether pieces that are at work at the same time have nothing in common; and how often the rows would be read, which
@@ -93,8 +91,8 @@ static void join_pieces(struct threads *threads, int n)
 {
     for (int k = 0; k < n / 2; k++) {
         const struct threads_piece a = threads->piece[2 * k], b = threads->piece[2 * k + 1];
-        threads->piece[k] = (struct threads_piece){.first_set = a.first_set,
-                                                   .last_set = b.last_set,
+        threads->piece[k] = (struct threads_piece){.first_span = a.first_span,
+                                                   .last_span = b.last_span,
                                                    .lo = a.lo < b.lo ? a.lo : b.lo,
                                                    .hi = a.hi > b.hi ? a.hi : b.hi};
     }
@@ -106,12 +104,14 @@ void threads_cut(struct threads *threads, const struct particles *p, struct cont
     int n = PIECES_MAX;
     int64_t rows;
     threads->n_cuts = 1;
-    if (threads->n_parts == 1 || pairs->n_sets < PIECES_MAX)
+    while (n > pairs->slots.n_spans)
+        n /= 2;
+    if (threads->n_parts == 1 || n < PIECES_LEAST)
         return;
     for (int k = 0; k < n; k++) {
         struct threads_piece *piece = &threads->piece[k];
-        piece->first_set = (int)((int64_t)pairs->n_sets * k / n);
-        piece->last_set = (int)((int64_t)pairs->n_sets * (k + 1) / n);
+        piece->first_span = (int)((int64_t)pairs->slots.n_spans * k / n);
+        piece->last_span = (int)((int64_t)pairs->slots.n_spans * (k + 1) / n);
         take_piece(piece, k, p, pairs);
     }
     for (; n > PIECES_LEAST && !(are_apart(threads, n, &rows) && rows < 3 * (int64_t)p->count / 2); n /= 2)
@@ -124,7 +124,7 @@ void threads_pair(struct threads *threads, const struct kernels *kernels, struct
 {
     const int n = threads->n_cuts;
     if (n == 1) {
-        kernels->pair(p, pairs, 0, pairs->n_sets, law, p->force, losses);
+        kernels->pair(p, pairs, 0, pairs->slots.n_spans, law, p->force, losses);
         return;
     }
 #pragma omp parallel num_threads(threads->n)
@@ -133,7 +133,7 @@ void threads_pair(struct threads *threads, const struct kernels *kernels, struct
         for (int k = turn; k < n; k += 2) {
             struct threads_piece *piece = &threads->piece[k];
             piece->losses = (struct contact_losses){0};
-            kernels->pair(p, pairs, piece->first_set, piece->last_set, law, p->force, &piece->losses);
+            kernels->pair(p, pairs, piece->first_span, piece->last_span, law, p->force, &piece->losses);
         }
     }
     for (int k = 0; k < n; k++)

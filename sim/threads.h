@@ -6,9 +6,9 @@
 
 #include "sim/kernels.h"
 
-/* Of the list: the sets of one piece, and the first and the last row of the particles that they touch. */
+/* Of the list: the spans of one piece, and the first and the last row of the particles that they touch. */
 struct threads_piece {
-    int first_set, last_set;
+    int first_span, last_span;
     int lo, hi;
     struct contact_losses losses;
 };

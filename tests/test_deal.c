@@ -26,28 +26,39 @@ static int owner_of(const struct contact_list *list, int k)
     return list->slot[k] % 2 ? list->j[k] : list->i[k];
 }
 
-/* Deals the list out, checks the slots and returns the number of sets. */
-static int check_deal(struct contact_list *list, int n_particles)
+/* Deals the list out, checks the slots and returns the number of sets but those of neighbours in the order; *others:
+ * pairs in them, may be NULL. */
+static int check_deal(struct contact_list *list, int n_particles, int *others)
 {
     struct deal deal;
     must(deal_pairs(list, n_particles, &deal));
     assert_int_equal(deal.n_blocks, (n_particles + SET_WIDTH - 1) / SET_WIDTH);
-    assert_int_equal(deal.first[0], 0);
-    assert_int_equal(deal.first[deal.n_blocks], list->n_sets);
+    assert_int_equal(deal.count[0], 0);
+    assert_int_equal(deal.count[deal.n_blocks] + (deal.chained ? deal.n_blocks : 0), list->n_sets);
+    int n_others = 0;
     bool *taken = calloc((size_t)list->n_sets * SET_WIDTH + 1, sizeof *taken), *used = calloc(list->n_sets + 1u, 1);
     assert_true(taken && used);
     for (int k = 0; k < list->count; k++) {
         const int slot = (int)(list->slot[k] / 2), set = slot / SET_WIDTH, owner = owner_of(list, k);
-        assert_in_range(set, deal.first[owner / SET_WIDTH], deal.first[owner / SET_WIDTH + 1] - 1);
+        const int b = owner / SET_WIDTH, other = deal_other_set(&deal, b);
+        if (!deal.chained || set != deal_next_set(&deal, b)) {
+            assert_in_range(set, other, other + deal.count[b + 1] - deal.count[b] - 1);
+            n_others++;
+        } else {
+            assert_true(owner == list->i[k] && list->j[k] == owner + 1);
+        }
         assert_int_equal(slot % SET_WIDTH, owner % SET_WIDTH);
         assert_false(taken[slot]);
         taken[slot] = used[set] = true;
     }
-    for (int set = 0; set < list->n_sets; set++)
-        assert_true(used[set]);
+    for (int b = 0; b < deal.n_blocks; b++) /* none is empty but of neighbours in the order */
+        for (int n = 0; n < deal.count[b + 1] - deal.count[b]; n++)
+            assert_true(used[deal_other_set(&deal, b) + n]);
     free(taken);
     free(used);
-    return list->n_sets;
+    if (others)
+        *others = n_others;
+    return deal.count[deal.n_blocks];
 }
 
 /* Again, with other working memory: the same slots. */
@@ -65,16 +76,16 @@ static void check_repeats(const struct contact_list *list, int n_particles)
     contact_list_free(&again);
 }
 
-/* A triangular lattice without a third of its pairs, two a particle. */
-static struct contact_list lattice(int side)
+/* A triangular lattice without a third of its pairs, two a particle; the partner in the row is `near` places on. */
+static struct contact_list lattice(int side, int near)
 {
     struct contact_list list = list_of(3 * side * side);
     struct random random;
     random_init(&random, 5);
     for (int i = 0; i < side * side; i++) {
-        const int to[] = {i + 1, i + side, i + side + 1};
+        const int to[] = {i + near, i + side, i + side + 1};
         for (int n = 0; n < 3; n++)
-            if (to[n] < side * side && (n == 1 || i % side + 1 < side) && 3 * random_uniform(&random) < 2)
+            if (to[n] < side * side && (n == 1 || i % side + near < side) && 3 * random_uniform(&random) < 2)
                 add(&list, i, to[n]);
     }
     return list;
@@ -87,15 +98,33 @@ static void a_lattice_fills_its_sets(void **state)
     static const double filled[] = {0.85, 0.9, 0.94};
     (void)state;
     for (int n = 0; n < 3; n++) {
-        struct contact_list list = lattice(64);
+        struct contact_list list = lattice(64, 2);
         list.search_max = visits[n];
-        int sets = check_deal(&list, 64 * 64);
-        double part = (double)list.count / (sets * SET_WIDTH);
+        int others, sets = check_deal(&list, 64 * 64, &others);
+        double part = (double)others / (sets * SET_WIDTH);
         print_message("%d visits: %.3f filled\n", visits[n], part);
         assert_true(part > filled[n] && part <= 1);
         check_repeats(&list, 64 * 64);
         contact_list_free(&list);
     }
+}
+
+/* Where most particles have a partner right behind them, but for the last of a span of blocks, these pairs have sets of
+ * their own; the others, 1.3 a particle, have to do with fewer sets, and fill them less well. */
+static void neighbours_in_the_order_have_their_sets(void **state)
+{
+    enum { SIDE = 64, N = SIDE * SIDE, SPAN = SPAN_BLOCKS * SET_WIDTH };
+    (void)state;
+    struct contact_list list = lattice(SIDE, 1);
+    int next = 0, others, sets = check_deal(&list, N, &others);
+    for (int k = 0; k < list.count; k++)
+        next += list.j[k] == list.i[k] + 1 && list.j[k] % SPAN != 0;
+    assert_true(next > 0.6 * N);
+    assert_int_equal(others, list.count - next);
+    print_message("others: %.3f filled\n", (double)others / (sets * SET_WIDTH));
+    assert_true(others > 0.75 * sets * SET_WIDTH);
+    check_repeats(&list, N);
+    contact_list_free(&list);
 }
 
 /* Random graphs of any density, with particles that have no pair, and pairs that are there twice. */
@@ -113,7 +142,7 @@ static void every_pair_has_one_slot(void **state)
                 add(&list, a, b + (b >= a));
             }
             list.search_max = pairs % 3 ? 12 : 0;
-            check_deal(&list, count[c]);
+            check_deal(&list, count[c], NULL);
             check_repeats(&list, count[c]);
             contact_list_free(&list);
         }
@@ -127,13 +156,15 @@ static void crowded_blocks_get_their_sets(void **state)
     struct contact_list star = list_of(STAR), crowd = list_of(CROWD * CROWD / 2);
     for (int k = 1; k <= STAR; k++)
         add(&star, 0, k);
-    int sets = check_deal(&star, STAR + 1);
+    int sets = check_deal(&star, STAR + 1, NULL);
     assert_true(sets <= (STAR + SET_WIDTH) / SET_WIDTH); /* one for each block: the others have them */
     for (int a = 0; a < CROWD; a++)
         for (int b = 0; b < a; b++)
             add(&crowd, b, a);
-    sets = check_deal(&crowd, CROWD);
-    assert_true(crowd.count > 0.8 * sets * SET_WIDTH);
+    int others;
+    sets = check_deal(&crowd, CROWD, &others);
+    assert_int_equal(others, crowd.count - (CROWD - 1)); /* each has the next one as a partner */
+    assert_true(others > 0.8 * sets * SET_WIDTH);
     check_repeats(&crowd, CROWD);
     contact_list_free(&star);
     contact_list_free(&crowd);
@@ -143,6 +174,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lattice_fills_its_sets),
+        cmocka_unit_test(neighbours_in_the_order_have_their_sets),
         cmocka_unit_test(every_pair_has_one_slot),
         cmocka_unit_test(crowded_blocks_get_their_sets),
     };

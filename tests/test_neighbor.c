@@ -410,6 +410,32 @@ static void renumbering_brings_neighbours_together(void **state)
     fixture_close(&f);
 }
 
+/* As many partners as in a packing, 4 to 6: nearly all particles have one right behind them, large samples too, where
+ * paths stay within a stretch. */
+static void paths_lead_from_partner_to_partner(void **state)
+{
+    static const struct {
+        int dimension, count;
+        double filled;
+    } samples[] = {{2, 2000, 1.3}, {3, 2000, 0.8}, {2, 20000, 1.3}};
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        const int count = samples[k].count;
+        struct fixture f = scatter(samples[k].dimension, count, 1, samples[k].filled, 8, "");
+        const struct contact_list *pairs = &f.world->pairs;
+        int next = 0;
+        build(f.world);
+        must(renumber(&f.world->particles, &f.world->pairs, f.world->walls, f.world->n_walls));
+        build(f.world);
+        for (int m = 0; m < pairs->count; m++)
+            next += pairs->j[m] == pairs->i[m] + 1;
+        print_message("%dD, %.1f partners: %.3f\n", samples[k].dimension, 2.0 * pairs->count / count,
+                      (double)next / count);
+        assert_true(next > 0.9 * count);
+        fixture_close(&f);
+    }
+}
+
 static void ids_that_are_none_are_refused(void **state)
 {
     (void)state;
@@ -426,11 +452,12 @@ static void ids_that_are_none_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lists_are_those_of_all_pairs),   cmocka_unit_test(odd_places_are_found_too),
-        cmocka_unit_test(histories_are_carried_exactly),  cmocka_unit_test(the_tuned_skin_changes_nothing),
-        cmocka_unit_test(the_tuned_skin_narrows_at_rest), cmocka_unit_test(renumbering_only_moves),
-        cmocka_unit_test(renumbering_keeps_the_physics),  cmocka_unit_test(renumbering_brings_neighbours_together),
-        cmocka_unit_test(a_particle_that_left_is_named),  cmocka_unit_test(ids_that_are_none_are_refused),
+        cmocka_unit_test(lists_are_those_of_all_pairs),       cmocka_unit_test(odd_places_are_found_too),
+        cmocka_unit_test(histories_are_carried_exactly),      cmocka_unit_test(the_tuned_skin_changes_nothing),
+        cmocka_unit_test(the_tuned_skin_narrows_at_rest),     cmocka_unit_test(renumbering_only_moves),
+        cmocka_unit_test(renumbering_keeps_the_physics),      cmocka_unit_test(renumbering_brings_neighbours_together),
+        cmocka_unit_test(paths_lead_from_partner_to_partner), cmocka_unit_test(a_particle_that_left_is_named),
+        cmocka_unit_test(ids_that_are_none_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
