@@ -27,28 +27,27 @@ struct contact_losses {
     double hysteresis, viscous_normal, viscous_tangential, friction;
 };
 
-/* What kernels take at a time: a set; a range of a list is one of sets. */
-enum { SET_WIDTH = 16 };
+/* What kernels take at a time: a set, of two halves; and what a range of a list is made of, a span of particles. */
+enum { SET_WIDTH = 16, HALF_WIDTH = 8, SPAN_WIDTH = 1024 };
 
-/* Blocks of SET_WIDTH particles whose sets follow each other: first those of neighbours in the order, one for each
- * block, if there are any, then the others. */
+/* Particles first ... last - 1, in whole sets, and the sets that are theirs: first those of neighbours in the order,
+ * one after the other, if there are any, then the others. */
 struct contact_span {
-    int first_block, last_block;
+    int first, last;
     int next, other, end; /* sets next ... other - 1 and other ... end - 1 */
 };
-enum { SPAN_BLOCKS = 64 };
 
-/* The kernels' order of a list, slot by slot; SET_WIDTH slots are a set. Pairs: a set belongs to SET_WIDTH particles
- * that stand side by side, and its slot l holds a partner of the l-th, so that these are read and summed without
- * looking around; either member of a pair may be the one whose slot it is in. If most particles have a candidate right
- * behind them (renumber.h), these partners have sets of their own, and stand side by side as well. Walls: the members
- * one after the other. Empty slots hold the padding particle, which never touches, or partners out of reach. Double, or
- * float if the contacts are single. */
+/* The kernels' order of a list, slot by slot; SET_WIDTH slots are a set. Pairs: a half of a set, in 3D a whole one,
+ * belongs to particles that stand side by side, and its slot l holds a partner of the l-th, so that these are read and
+ * summed without looking around; either member of a pair may be the one whose slot it is in. If most particles have a
+ * candidate right behind them (path.h), these partners have sets of their own, each of SET_WIDTH particles side by
+ * side, whose partners stand side by side as well. Walls: the members one after the other. Empty slots hold the padding
+ * particle, which never touches, or partners out of reach. Double, or float if the contacts are single. */
 struct contact_slots {
     struct contact_span *span; /* [n_spans] pairs */
     int n_spans, span_capacity;
     int capacity;    /* in sets */
-    uint32_t *first; /* [n_sets] pairs: the first of the particles i */
+    uint32_t *first; /* [2 n_sets] pairs: the first of the particles i of each half */
     uint32_t *row;   /* [slots] where the record of j starts [doubles]; walls: that of i */
     float *built[3]; /* single: x_i - x_j when the lists were built [m]; not of walls */
     float *gap;      /* single: (a_i + a_j)^2 less that distance's square [m^2]; of walls the overlap then [m] */

@@ -2,11 +2,11 @@
 
 #include <string.h>
 
-/* Each particle has a column in a table, with a place for each set of its block, and pairs are put in as keys are into
- * a hash table with two choices for each ("cuckoo hashing"): if the columns of both members are full, one takes the
- * pair and passes another of its pairs on to that one's other member, and so on. */
+/* Each particle has a column in a table, with a place for each row of slots of its block, and pairs are put in as keys
+ * are into a hash table with two choices for each ("cuckoo hashing"): if the columns of both members are full, one
+ * takes the pair and passes another of its pairs on to that one's other member, and so on. */
 struct column {
-    int32_t next; /* the next free place in the table, SET_WIDTH behind the last one */
+    int32_t next; /* the next free place in the table, t->width behind the last one */
     int32_t room; /* free places */
     int32_t left; /* pairs of the particle that are still to be dealt out */
     int32_t seen; /* by which search */
@@ -23,25 +23,31 @@ struct visit {
     int from, place; /* whose place led here; not for the first two */
 };
 
-/* Sets that a block may get beyond those planned, and columns that pay at most, however long the list lives. */
-enum { SPARE_SETS = 2, VISITS_MAX = 256 };
+/* Rows that a block may get beyond those planned, and columns that pay at most, however long the list lives. */
+enum { SPARE_ROWS = 2, VISITS_MAX = 256 };
 
 struct table {
     int n_particles, n_blocks;
+    int width, span_blocks; /* particles of a block, blocks of a span */
     bool chained;
     int32_t *next; /* [n_particles] the pair with the particle behind it; -1: none */
     int32_t *pair; /* [n_pairs] the other pairs, which are dealt out */
     int n_pairs;
     struct column *column; /* [n_particles] */
-    int32_t *planned;      /* [n_blocks] sets */
+    int32_t *planned;      /* [n_blocks] rows */
     int32_t *start;        /* [n_blocks + 1] the block's first place in the table */
-    int32_t *count;        /* as in struct deal */
+    int32_t *count, *span; /* as in struct deal */
     struct entry *entry;   /* [start[n_blocks]] set by set */
     struct entry *over;    /* [n_over] pairs that the table has no place for, and who has them */
     int n_over;
     int n_searches, visits_max;
     struct visit visit[VISITS_MAX];
 };
+
+static int n_spans(int n_particles)
+{
+    return (n_particles + SPAN_WIDTH - 1) / SPAN_WIDTH;
+}
 
 /* Working memory of the list, first without, then with the table's `places`; what stands before them is kept. */
 static enum status lay_out(struct table *t, struct contact_list *list, size_t places)
@@ -50,13 +56,15 @@ static enum status lay_out(struct table *t, struct contact_list *list, size_t pl
     const size_t blocks = (size_t)t->n_blocks, even = blocks + blocks % 2;
     const size_t own = (size_t)t->n_particles + (size_t)t->n_particles % 2;
     const size_t pairs = (size_t)list->count + (size_t)list->count % 2;
-    const size_t before = column + 3 * even + 4 + own + 3 * pairs, size = before + 2 * places;
+    const size_t spans = 2 * (size_t)(n_spans(t->n_particles) / 2 + 1);
+    const size_t before = column + 3 * even + 4 + spans + own + 3 * pairs, size = before + 2 * places;
     TRY(contact_list_work(list, size, places ? before : 0));
     t->column = (struct column *)list->scratch;
     t->planned = list->scratch + column;
     t->start = t->planned + even;
     t->count = t->start + even + 2;
-    t->next = t->count + even + 2;
+    t->span = t->count + even + 2;
+    t->next = t->span + spans;
     t->pair = t->next + own;
     t->over = (struct entry *)(t->pair + pairs);
     t->entry = t->over + pairs;
@@ -68,12 +76,11 @@ static enum status lay_out(struct table *t, struct contact_list *list, size_t pl
  */
 static void find_next(struct table *t, const struct contact_list *list)
 {
-    enum { SPAN = SPAN_BLOCKS * SET_WIDTH };
     const int32_t *const i = list->i, *const j = list->j;
     int n = 0;
     memset(t->next, -1, (size_t)t->n_particles * sizeof *t->next);
     for (int k = 0; k < list->count; k++) {
-        const int32_t is_next = (j[k] == i[k] + 1) & (j[k] % SPAN != 0);
+        const int32_t is_next = (j[k] == i[k] + 1) & (j[k] % SPAN_WIDTH != 0);
         t->next[i[k]] = is_next ? k : t->next[i[k]];
     }
     for (int q = 0; q < t->n_particles; q++)
@@ -97,30 +104,30 @@ static void count_pairs(struct table *t, const struct contact_list *list)
     }
 }
 
-/* Sets that block b should have, given what it is owed: half the ends of the pairs dealt with so far, and a hundredth,
+/* Rows that block b should have, given what it is owed: half the ends of the pairs dealt with so far, and a hundredth,
  * less the places found for them [1/200 of a place]. No particle fills more places than it has pairs; what would be
  * mostly empty is left to the blocks to come. */
 static int plan_block(const struct table *t, int b, int lanes, int64_t *owed)
 {
     enum { OWED_PER_END = 101, OWED_PER_PLACE = 200, COUNTED = 64 };
-    const struct column *column = t->column + SET_WIDTH * b;
-    int of_length[COUNTED] = {0}, sets = 0, filled = lanes;
+    const struct column *column = t->column + t->width * b;
+    int of_length[COUNTED] = {0}, rows = 0, filled = lanes;
     for (int l = 0; l < lanes; l++) {
         *owed += (int64_t)OWED_PER_END * column[l].left;
         of_length[column[l].left < COUNTED ? column[l].left : COUNTED - 1]++;
     }
     filled -= of_length[0];
-    while (2 * *owed > OWED_PER_PLACE * filled && 2 * filled >= lanes && sets < COUNTED - 1) {
+    while (2 * *owed > OWED_PER_PLACE * filled && 2 * filled >= lanes && rows < COUNTED - 1) {
         *owed -= OWED_PER_PLACE * filled;
-        filled -= of_length[++sets];
+        filled -= of_length[++rows];
     }
-    return sets;
+    return rows;
 }
 
 static int lanes_of(const struct table *t, int b)
 {
-    const int rest = t->n_particles - SET_WIDTH * b;
-    return rest < SET_WIDTH ? rest : SET_WIDTH;
+    const int rest = t->n_particles - t->width * b;
+    return rest < t->width ? rest : t->width;
 }
 
 static void plan(struct table *t)
@@ -128,40 +135,40 @@ static void plan(struct table *t)
     int64_t owed = 0;
     t->start[0] = 0;
     for (int b = 0; b < t->n_blocks; b++) {
-        const int lanes = lanes_of(t, b), sets = plan_block(t, b, lanes, &owed);
-        t->planned[b] = sets;
-        t->start[b + 1] = t->start[b] + SET_WIDTH * (sets + SPARE_SETS);
+        const int lanes = lanes_of(t, b), rows = plan_block(t, b, lanes, &owed);
+        t->planned[b] = rows;
+        t->start[b + 1] = t->start[b] + t->width * (rows + SPARE_ROWS);
         for (int l = 0; l < lanes; l++) {
-            t->column[SET_WIDTH * b + l].room = sets;
-            t->column[SET_WIDTH * b + l].next = t->start[b] + l;
+            t->column[t->width * b + l].room = rows;
+            t->column[t->width * b + l].next = t->start[b] + l;
         }
     }
 }
 
 static int start_of(const struct table *t, int particle)
 {
-    return t->start[particle / SET_WIDTH] + particle % SET_WIDTH;
+    return t->start[particle / t->width] + particle % t->width;
 }
 
 static void put(struct table *t, int owner, struct entry entry)
 {
     struct column *column = &t->column[owner];
     t->entry[column->next] = entry;
-    column->next += SET_WIDTH;
+    column->next += t->width;
     column->room--;
 }
 
-/* One more set for the block of `owner`, who has no room; or a place beyond the table. */
+/* One more row for the block of `owner`, who has no room; or a place beyond the table. */
 static void put_beyond(struct table *t, int owner, struct entry entry)
 {
-    const int b = owner / SET_WIDTH, lanes = lanes_of(t, b);
-    if (t->start[b] + SET_WIDTH * (t->planned[b] + 1) > t->start[b + 1]) {
+    const int b = owner / t->width, lanes = lanes_of(t, b);
+    if (t->start[b] + t->width * (t->planned[b] + 1) > t->start[b + 1]) {
         t->over[t->n_over++] = (struct entry){entry.pair, owner};
         return;
     }
     t->planned[b]++;
     for (int l = 0; l < lanes; l++)
-        t->column[SET_WIDTH * b + l].room++;
+        t->column[t->width * b + l].room++;
     put(t, owner, entry);
 }
 
@@ -188,7 +195,7 @@ static void pass_on(struct table *t, int pair, int i, int j)
     t->column[i].seen = t->column[j].seen = ++t->n_searches;
     for (int v = 0; v < n; v++) {
         const int owner = t->visit[v].owner, end = t->column[owner].next;
-        for (int at = start_of(t, owner); at < end; at += SET_WIDTH) {
+        for (int at = start_of(t, owner); at < end; at += t->width) {
             const int other = t->entry[at].other;
             if (t->column[other].room > 0) {
                 pass_along(t, v, at, pair);
@@ -223,13 +230,13 @@ static void deal_out(struct table *t, const struct contact_list *list)
     }
 }
 
-static uint32_t slot_of(int set, int owner, int other)
+static uint32_t slot_of(const struct table *t, int row, int owner, int other)
 {
-    return 2 * (uint32_t)(set * SET_WIDTH + owner % SET_WIDTH) + (owner > other);
+    return 2 * (uint32_t)(row * t->width + owner % t->width) + (owner > other);
 }
 
 /* Sets of a block: as many as its longest column needs. */
-static void number_sets(struct table *t)
+static void number_rows(struct table *t)
 {
     for (int q = 0; q < t->n_particles; q++) /* from here on `left` counts what is beyond the table */
         t->column[q].left = 0;
@@ -239,33 +246,55 @@ static void number_sets(struct table *t)
     for (int b = 0; b < t->n_blocks; b++) {
         int most = 0;
         for (int l = 0; l < lanes_of(t, b); l++) {
-            const struct column *column = &t->column[SET_WIDTH * b + l];
-            int length = (column->next - t->start[b]) / SET_WIDTH + column->left;
+            const struct column *column = &t->column[t->width * b + l];
+            int length = (column->next - t->start[b]) / t->width + column->left;
             most = length > most ? length : most;
         }
         t->count[b + 1] = t->count[b] + most;
     }
 }
 
-int deal_next_set(const struct deal *deal, int b)
+/* Sets with room for n rows. */
+static int sets_of(int width, int n)
 {
-    return deal->count[b / SPAN_BLOCKS * SPAN_BLOCKS] + b;
+    return (n * width + SET_WIDTH - 1) / SET_WIDTH;
 }
 
-int deal_other_set(const struct deal *deal, int b)
+/* Sets of the spans. */
+static void number_spans(struct table *t)
 {
-    const int end = (b / SPAN_BLOCKS + 1) * SPAN_BLOCKS, blocks = end < deal->n_blocks ? end : deal->n_blocks;
-    return deal->count[b] + (deal->chained ? blocks : 0);
+    const int n = n_spans(t->n_particles);
+    t->span[0] = 0;
+    for (int s = 0; s < n; s++) {
+        const int first = s * t->span_blocks, end = first + t->span_blocks,
+                  last = end < t->n_blocks ? end : t->n_blocks;
+        const int next = t->chained ? sets_of(t->width, last - first) : 0;
+        t->span[s + 1] = t->span[s] + next + sets_of(t->width, t->count[last] - t->count[first]);
+    }
+}
+
+int deal_next_row(const struct deal *deal, int b)
+{
+    const int blocks = SPAN_WIDTH / deal->width, rows = SET_WIDTH / deal->width;
+    return rows * deal->span[b / blocks] + b % blocks;
+}
+
+int deal_other_row(const struct deal *deal, int b)
+{
+    const int blocks = SPAN_WIDTH / deal->width, rows = SET_WIDTH / deal->width, s = b / blocks, first = s * blocks;
+    const int rest = deal->n_blocks - first;
+    const int next = deal->chained ? sets_of(deal->width, rest < blocks ? rest : blocks) : 0;
+    return rows * (deal->span[s] + next) + deal->count[b] - deal->count[first];
 }
 
 static void number_block(const struct table *t, const struct deal *deal, int b, struct contact_list *list)
 {
-    const struct column *column = &t->column[SET_WIDTH * b];
-    const int lanes = lanes_of(t, b), first = deal_other_set(deal, b), end = first + t->count[b + 1] - t->count[b];
-    for (int at = t->start[b], set = first; set < end && at < t->start[b + 1]; at += SET_WIDTH, set++)
+    const struct column *column = &t->column[t->width * b];
+    const int lanes = lanes_of(t, b), first = deal_other_row(deal, b), end = first + t->count[b + 1] - t->count[b];
+    for (int at = t->start[b], row = first; row < end && at < t->start[b + 1]; at += t->width, row++)
         for (int l = 0; l < lanes; l++)
             if (at + l < column[l].next)
-                list->slot[t->entry[at + l].pair] = slot_of(set, SET_WIDTH * b + l, t->entry[at + l].other);
+                list->slot[t->entry[at + l].pair] = slot_of(t, row, t->width * b + l, t->entry[at + l].other);
 }
 
 static void number_slots(const struct table *t, const struct deal *deal, struct contact_list *list)
@@ -274,19 +303,22 @@ static void number_slots(const struct table *t, const struct deal *deal, struct 
         number_block(t, deal, b, list);
     for (int q = 0; q < t->n_particles; q++)
         if (t->next[q] >= 0)
-            list->slot[t->next[q]] = slot_of(deal_next_set(deal, q / SET_WIDTH), q, q + 1);
+            list->slot[t->next[q]] = slot_of(t, deal_next_row(deal, q / t->width), q, q + 1);
     for (int m = 0; m < t->n_over; m++) {
-        const int k = t->over[m].pair, owner = t->over[m].other, b = owner / SET_WIDTH;
+        const int k = t->over[m].pair, owner = t->over[m].other, b = owner / t->width;
         struct column *column = &t->column[owner];
-        const int place = (column->next - t->start[b]) / SET_WIDTH + --column->left;
-        list->slot[k] = slot_of(deal_other_set(deal, b) + place, owner, list->i[k] + list->j[k] - owner);
+        const int place = (column->next - t->start[b]) / t->width + --column->left;
+        list->slot[k] = slot_of(t, deal_other_row(deal, b) + place, owner, list->i[k] + list->j[k] - owner);
     }
-    list->n_sets = t->count[t->n_blocks] + (t->chained ? t->n_blocks : 0);
+    list->n_sets = t->span[deal->n_spans];
 }
 
-enum status deal_pairs(struct contact_list *list, int n_particles, struct deal *deal)
+enum status deal_pairs(struct contact_list *list, int n_particles, int width, struct deal *deal)
 {
-    struct table t = {.n_particles = n_particles, .n_blocks = (n_particles + SET_WIDTH - 1) / SET_WIDTH};
+    struct table t = {.n_particles = n_particles,
+                      .n_blocks = (n_particles + width - 1) / width,
+                      .width = width,
+                      .span_blocks = SPAN_WIDTH / width};
     t.visits_max = list->search_max > 0 && list->search_max < VISITS_MAX ? list->search_max : VISITS_MAX;
     TRY(lay_out(&t, list, 0));
     find_next(&t, list);
@@ -294,8 +326,14 @@ enum status deal_pairs(struct contact_list *list, int n_particles, struct deal *
     plan(&t);
     TRY(lay_out(&t, list, (size_t)t.start[t.n_blocks]));
     deal_out(&t, list);
-    number_sets(&t);
-    *deal = (struct deal){.n_blocks = t.n_blocks, .chained = t.chained, .count = t.count};
+    number_rows(&t);
+    number_spans(&t);
+    *deal = (struct deal){.width = width,
+                          .n_blocks = t.n_blocks,
+                          .n_spans = n_spans(n_particles),
+                          .chained = t.chained,
+                          .count = t.count,
+                          .span = t.span};
     number_slots(&t, deal, list);
     return STATUS_OK;
 }

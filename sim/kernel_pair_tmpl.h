@@ -51,21 +51,44 @@ LANES_INLINE struct NAME(other) NAME(other)(const struct particles *p, const uin
     return to;
 }
 
-/* The particles i from `first` on, which stand side by side. */
-LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, size_t first)
+/* LANES particles that stand side by side, or in two halves if that is more than a half has. */
+struct NAME(seats) {
+    size_t first, second; /* the first of each half */
+    bool together;        /* a constant */
+};
+
+LANES_INLINE real NAME(load_at)(const void *array, const struct NAME(seats) * at)
+{
+    const scalar *values = array;
+#if DIM == 2 && LANES > 8
+    if (!at->together)
+        return REAL(load_halves)(values + at->first, values + at->second);
+#endif
+    return real_load(values + at->first);
+}
+
+/* Takes x from the sums. */
+LANES_INLINE void NAME(subtract_at)(scalar *sums, const struct NAME(seats) * at, real x)
+{
+#if DIM == 2 && LANES > 8
+    if (!at->together) {
+        REAL(subtract_halves)(sums + at->first, sums + at->second, x);
+        return;
+    }
+#endif
+    real_store(sums + at->first, real_load(sums + at->first) - x);
+}
+
+LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, const struct NAME(seats) * at)
 {
     struct NAME(other) to = {0};
     for (int c = 0; c < DIM; c++) {
-#if SINGLE
-        to.x[c] = f32_load((const float *)p->view_u[c] + first);
-#else
-        to.x[c] = f64_load(p->x[c] + first);
-#endif
-        to.v[c] = real_load((const scalar *)p->view_v[c] + first);
+        to.x[c] = NAME(load_at)(SINGLE ? (const void *)p->view_u[c] : p->x[c], at);
+        to.v[c] = NAME(load_at)(p->view_v[c], at);
     }
 #if FRICTIONAL
     for (int c = 0; c < SPRINGS; c++)
-        to.omega[c] = real_load((const scalar *)p->view_omega[c] + first);
+        to.omega[c] = NAME(load_at)(p->view_omega[c], at);
 #endif
     return to;
 }
@@ -81,6 +104,17 @@ struct NAME(range) {
     scalar *own; /* column of force 0, n_rows from one to the next */
 };
 
+/* The particles i of a set from its slot l on. */
+LANES_INLINE struct NAME(seats) NAME(seats)(const struct NAME(range) * r, bool next, size_t set, size_t l)
+{
+    const uint32_t *first = r->slots.first + 2 * set;
+    if (next || DIM == 3)
+        return (struct NAME(seats)){.first = first[0] + l, .together = true};
+    if (DIM == 2 && LANES > HALF_WIDTH)
+        return (struct NAME(seats)){.first = first[0], .second = first[1]};
+    return (struct NAME(seats)){.first = first[l / HALF_WIDTH] + l % HALF_WIDTH, .together = true};
+}
+
 /* First part of LANES pairs of a set, from its slot l on: what the law wants to know of them but for the root of the
  * distance, for which the reach is in the place of `inverse` and, single, reach^2 - d^2 in that of delta. */
 LANES_INLINE struct NAME(meeting) NAME(approach)(const struct NAME(range) * r, bool next, size_t set, size_t l)
@@ -88,10 +122,12 @@ LANES_INLINE struct NAME(meeting) NAME(approach)(const struct NAME(range) * r, b
     const struct particles *p = r->p;
     const struct contact_slots *slots = &r->slots;
     struct NAME(meeting) at;
-    const size_t k = set * SET_WIDTH + l, first = slots->first[set] + l;
+    const size_t k = set * SET_WIDTH + l;
+    const struct NAME(seats) seats = NAME(seats)(r, next, set, l),
+                             behind = {.first = seats.first + 1, .together = true};
     at.inverse = real_load((const scalar *)slots->reach + k);
-    const struct NAME(other) i = NAME(beside)(p, first),
-                             j = next ? NAME(beside)(p, first + 1) : NAME(other)(p, slots->row + k);
+    const struct NAME(other) i = NAME(beside)(p, &seats),
+                             j = next ? NAME(beside)(p, &behind) : NAME(other)(p, slots->row + k);
 #if SINGLE
     /* d = D + q (u_i - u_j), D at the last build; reach^2 - d^2 = (reach^2 - D^2) - (d + D)(d - D), of which nothing is
      * a difference of large numbers */
@@ -110,7 +146,7 @@ LANES_INLINE struct NAME(meeting) NAME(approach)(const struct NAME(range) * r, b
     for (int c = 0; c < DIM; c++)
         at.g[c] = i.v[c] - j.v[c];
 #if FRICTIONAL
-    real a_i = real_load((const scalar *)p->view_radius + first), a_j = at.inverse - a_i;
+    real a_i = NAME(load_at)(p->view_radius, &seats), a_j = at.inverse - a_i;
     for (int c = 0; c < SPRINGS; c++) {
         at.w[c] = real_fma(a_i, i.omega[c], a_j * j.omega[c]);
 #if DIM == 3
@@ -196,18 +232,21 @@ LANES_INLINE void NAME(add_pair)(const struct NAME(range) * r, bool next, size_t
                                  const struct NAME(contact_result) * result, struct NAME(contact_result) * before)
 {
     const int rows = r->p->n_rows;
-    scalar *to = r->own + r->slots.first[set] + l;
+    const struct NAME(seats) seats = NAME(seats)(r, next, set, l);
+    scalar *to = r->own;
     if (!next)
         NAME(add_rows)(r->force, r->slots.row + set * SET_WIDTH + l, result);
-    for (int c = 0; c < DIM; c++, to += rows) {
-        const real sum = next ? REAL(shifted)(before->force[c], result->force[c]) : real_load(to);
-        real_store(to, sum - result->force[c]);
-    }
+    for (int c = 0; c < DIM; c++, to += rows)
+        if (next)
+            real_store(to + seats.first, REAL(shifted)(before->force[c], result->force[c]) - result->force[c]);
+        else
+            NAME(subtract_at)(to, &seats, result->force[c]);
 #if FRICTIONAL
-    for (int c = 0; c < SPRINGS; c++, to += rows) {
-        const real sum = next ? REAL(shifted)(before->moment[c], result->moment[c]) : real_load(to);
-        real_store(to, sum + result->moment[c]);
-    }
+    for (int c = 0; c < SPRINGS; c++, to += rows)
+        if (next)
+            real_store(to + seats.first, REAL(shifted)(before->moment[c], result->moment[c]) + result->moment[c]);
+        else
+            NAME(subtract_at)(to, &seats, -result->moment[c]);
 #endif
     if (next)
         *before = *result;
@@ -370,9 +409,9 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool next, bool
 /* The sums of a span's blocks start from nothing, where no pairs of neighbours in the order start them. */
 static void NAME(start_sums)(const struct NAME(range) * r, const struct contact_span *span)
 {
-    const size_t first = (size_t)span->first_block * SET_WIDTH, last = (size_t)span->last_block * SET_WIDTH;
+    const size_t count = (size_t)(span->last - span->first);
     for (int c = 0; c < DIM + FRICTIONAL * SPRINGS; c++)
-        memset(r->own + (size_t)c * (size_t)r->p->n_rows + first, 0, (last - first) * sizeof(scalar));
+        memset(r->own + (size_t)c * (size_t)r->p->n_rows + (size_t)span->first, 0, count * sizeof(scalar));
 }
 
 LANES_INLINE void NAME(go_through_span)(struct NAME(range) * r, const struct contact_span *span, bool large,

@@ -168,6 +168,16 @@ LANES_INLINE f32 f32_sum_of_integers(f32 a, f32 b)
 {
     return _mm512_castsi512_ps(_mm512_add_epi32(_mm512_castps_si512(a), _mm512_castps_si512(b)));
 }
+/* Two halves that stand apart; and x taken from them. */
+LANES_INLINE f32 f32_load_halves(const float *low, const float *high)
+{
+    return lanes_join(_mm256_loadu_ps(low), _mm256_loadu_ps(high));
+}
+LANES_INLINE void f32_subtract_halves(float *low, float *high, f32 x)
+{
+    _mm256_storeu_ps(low, _mm256_loadu_ps(low) - _mm512_castps512_ps256(x));
+    _mm256_storeu_ps(high, _mm256_loadu_ps(high) - _mm512_extractf32x8_ps(x, 1));
+}
 /* Two records of 4 doubles in one register. */
 LANES_INLINE f64 lanes_two(const double *low, const double *high)
 {

@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* Large samples: places of the order that a path stays within, so that pieces for threads have little in common. */
-enum { STRETCH = SPAN_BLOCKS * SET_WIDTH };
+enum { STRETCH = SPAN_WIDTH };
 
 struct walk {
     int n;
@@ -38,15 +38,15 @@ static void pass(struct walk *w, int q)
         w->left[w->partner[m]]--;
 }
 
-/* Where to go from q: to who would be left alone otherwise, else where the order is most behind. -1: nowhere. */
+/* Where to go from q: to who has the fewest partners left, as it would be left alone soonest, and among them to where
+ * the order is most behind. -1: nowhere. */
 static int next_of(const struct walk *w, int q)
 {
-    enum { MANY = 2 };
     int best = -1;
     int64_t least = INT64_MAX;
     for (int m = w->first[q]; m < w->first[q + 1]; m++) {
-        const int to = w->partner[m], left = w->left[to] < MANY ? w->left[to] : MANY;
-        const int64_t key = (int64_t)left << 32 | w->rank[to];
+        const int to = w->partner[m];
+        const int64_t key = (int64_t)w->left[to] << 32 | w->rank[to];
         if (w->rank[to] >= 0 && w->rank[to] < w->end && key < least) {
             least = key;
             best = to;

@@ -66,9 +66,8 @@ static void take_piece(struct threads_piece *piece, int k, const struct particle
         hi = !empty && row[s] > hi ? row[s] : hi;
         row[s] = empty ? own : row[s];
     }
-    const int lowest = first->first_block * SET_WIDTH, highest = last->last_block * SET_WIDTH - 1;
-    piece->lo = (int)(lo / stride) < lowest ? (int)(lo / stride) : lowest;
-    piece->hi = (int)(hi / stride) > highest ? (int)(hi / stride) : highest;
+    piece->lo = (int)(lo / stride) < first->first ? (int)(lo / stride) : first->first;
+    piece->hi = (int)(hi / stride) >= last->last ? (int)(hi / stride) : last->last - 1;
 }
 
 /* Whether pieces that are at work at the same time have nothing in common; and how often the rows would be read, which

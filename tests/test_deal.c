@@ -26,34 +26,39 @@ static int owner_of(const struct contact_list *list, int k)
     return list->slot[k] % 2 ? list->j[k] : list->i[k];
 }
 
-/* Deals the list out, checks the slots and returns the number of sets but those of neighbours in the order; *others:
- * pairs in them, may be NULL. */
-static int check_deal(struct contact_list *list, int n_particles, int *others)
+/* Deals the list out, checks the slots and returns the number of rows but those of neighbours in the order;
+ * *others: pairs in them, may be NULL. */
+static int check_deal(struct contact_list *list, int n_particles, int width, int *others)
 {
     struct deal deal;
-    must(deal_pairs(list, n_particles, &deal));
-    assert_int_equal(deal.n_blocks, (n_particles + SET_WIDTH - 1) / SET_WIDTH);
+    must(deal_pairs(list, n_particles, width, &deal));
+    assert_int_equal(deal.n_blocks, (n_particles + width - 1) / width);
+    assert_int_equal(deal.n_spans, (n_particles + SPAN_WIDTH - 1) / SPAN_WIDTH);
     assert_int_equal(deal.count[0], 0);
-    assert_int_equal(deal.count[deal.n_blocks] + (deal.chained ? deal.n_blocks : 0), list->n_sets);
+    assert_int_equal(deal.span[deal.n_spans], list->n_sets);
+    const int rows = deal.count[deal.n_blocks] + (deal.chained ? deal.n_blocks : 0), most = rows + 2 * deal.n_spans;
+    assert_in_range(SET_WIDTH * list->n_sets, width * rows, width * most);
     int n_others = 0;
-    bool *taken = calloc((size_t)list->n_sets * SET_WIDTH + 1, sizeof *taken), *used = calloc(list->n_sets + 1u, 1);
+    bool *taken = calloc((size_t)list->n_sets * SET_WIDTH + 1, sizeof *taken),
+         *used = calloc(2 * (size_t)list->n_sets + 1, 1);
     assert_true(taken && used);
     for (int k = 0; k < list->count; k++) {
-        const int slot = (int)(list->slot[k] / 2), set = slot / SET_WIDTH, owner = owner_of(list, k);
-        const int b = owner / SET_WIDTH, other = deal_other_set(&deal, b);
-        if (!deal.chained || set != deal_next_set(&deal, b)) {
-            assert_in_range(set, other, other + deal.count[b + 1] - deal.count[b] - 1);
+        const int slot = (int)(list->slot[k] / 2), row = slot / width, owner = owner_of(list, k);
+        const int b = owner / width, other = deal_other_row(&deal, b), s = owner / SPAN_WIDTH;
+        assert_in_range(slot / SET_WIDTH, deal.span[s], deal.span[s + 1] - 1);
+        if (!deal.chained || row != deal_next_row(&deal, b)) {
+            assert_in_range(row, other, other + deal.count[b + 1] - deal.count[b] - 1);
             n_others++;
         } else {
             assert_true(owner == list->i[k] && list->j[k] == owner + 1);
         }
-        assert_int_equal(slot % SET_WIDTH, owner % SET_WIDTH);
+        assert_int_equal(slot % width, owner % width);
         assert_false(taken[slot]);
-        taken[slot] = used[set] = true;
+        taken[slot] = used[row] = true;
     }
     for (int b = 0; b < deal.n_blocks; b++) /* none is empty but of neighbours in the order */
         for (int n = 0; n < deal.count[b + 1] - deal.count[b]; n++)
-            assert_true(used[deal_other_set(&deal, b) + n]);
+            assert_true(used[deal_other_row(&deal, b) + n]);
     free(taken);
     free(used);
     if (others)
@@ -62,7 +67,7 @@ static int check_deal(struct contact_list *list, int n_particles, int *others)
 }
 
 /* Again, with other working memory: the same slots. */
-static void check_repeats(const struct contact_list *list, int n_particles)
+static void check_repeats(const struct contact_list *list, int n_particles, int width)
 {
     struct contact_list again = list_of(list->count);
     struct deal deal;
@@ -70,7 +75,7 @@ static void check_repeats(const struct contact_list *list, int n_particles)
         add(&again, list->i[k], list->j[k]);
     again.search_max = list->search_max;
     for (int round = 0; round < 2; round++) {
-        must(deal_pairs(&again, n_particles, &deal));
+        must(deal_pairs(&again, n_particles, width, &deal));
         assert_memory_equal(again.slot, list->slot, (size_t)list->count * sizeof *list->slot);
     }
     contact_list_free(&again);
@@ -100,11 +105,11 @@ static void a_lattice_fills_its_sets(void **state)
     for (int n = 0; n < 3; n++) {
         struct contact_list list = lattice(64, 2);
         list.search_max = visits[n];
-        int others, sets = check_deal(&list, 64 * 64, &others);
-        double part = (double)others / (sets * SET_WIDTH);
+        int others, rows = check_deal(&list, 64 * 64, SET_WIDTH, &others);
+        double part = (double)others / (rows * SET_WIDTH);
         print_message("%d visits: %.3f filled\n", visits[n], part);
         assert_true(part > filled[n] && part <= 1);
-        check_repeats(&list, 64 * 64);
+        check_repeats(&list, 64 * 64, SET_WIDTH);
         contact_list_free(&list);
     }
 }
@@ -113,17 +118,17 @@ static void a_lattice_fills_its_sets(void **state)
  * their own; the others, 1.3 a particle, have to do with fewer sets, and fill them less well. */
 static void neighbours_in_the_order_have_their_sets(void **state)
 {
-    enum { SIDE = 64, N = SIDE * SIDE, SPAN = SPAN_BLOCKS * SET_WIDTH };
+    enum { SIDE = 64, N = SIDE * SIDE };
     (void)state;
     struct contact_list list = lattice(SIDE, 1);
-    int next = 0, others, sets = check_deal(&list, N, &others);
+    int next = 0, others, rows = check_deal(&list, N, SET_WIDTH, &others);
     for (int k = 0; k < list.count; k++)
-        next += list.j[k] == list.i[k] + 1 && list.j[k] % SPAN != 0;
+        next += list.j[k] == list.i[k] + 1 && list.j[k] % SPAN_WIDTH != 0;
     assert_true(next > 0.6 * N);
     assert_int_equal(others, list.count - next);
-    print_message("others: %.3f filled\n", (double)others / (sets * SET_WIDTH));
-    assert_true(others > 0.75 * sets * SET_WIDTH);
-    check_repeats(&list, N);
+    print_message("others: %.3f filled\n", (double)others / (rows * SET_WIDTH));
+    assert_true(others > 0.75 * rows * SET_WIDTH);
+    check_repeats(&list, N, SET_WIDTH);
     contact_list_free(&list);
 }
 
@@ -142,8 +147,8 @@ static void every_pair_has_one_slot(void **state)
                 add(&list, a, b + (b >= a));
             }
             list.search_max = pairs % 3 ? 12 : 0;
-            check_deal(&list, count[c], NULL);
-            check_repeats(&list, count[c]);
+            check_deal(&list, count[c], pairs % 5 < 3 ? HALF_WIDTH : SET_WIDTH, NULL);
+            check_repeats(&list, count[c], pairs % 5 < 3 ? HALF_WIDTH : SET_WIDTH);
             contact_list_free(&list);
         }
 }
@@ -156,16 +161,16 @@ static void crowded_blocks_get_their_sets(void **state)
     struct contact_list star = list_of(STAR), crowd = list_of(CROWD * CROWD / 2);
     for (int k = 1; k <= STAR; k++)
         add(&star, 0, k);
-    int sets = check_deal(&star, STAR + 1, NULL);
-    assert_true(sets <= (STAR + SET_WIDTH) / SET_WIDTH); /* one for each block: the others have them */
+    int rows = check_deal(&star, STAR + 1, SET_WIDTH, NULL);
+    assert_true(rows <= (STAR + SET_WIDTH) / SET_WIDTH); /* one for each block: the others have them */
     for (int a = 0; a < CROWD; a++)
         for (int b = 0; b < a; b++)
             add(&crowd, b, a);
     int others;
-    sets = check_deal(&crowd, CROWD, &others);
+    rows = check_deal(&crowd, CROWD, SET_WIDTH, &others);
     assert_int_equal(others, crowd.count - (CROWD - 1)); /* each has the next one as a partner */
-    assert_true(others > 0.8 * sets * SET_WIDTH);
-    check_repeats(&crowd, CROWD);
+    assert_true(others > 0.8 * rows * SET_WIDTH);
+    check_repeats(&crowd, CROWD, SET_WIDTH);
     contact_list_free(&star);
     contact_list_free(&crowd);
 }
