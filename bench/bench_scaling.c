@@ -190,18 +190,20 @@ static enum status time_parts(struct world *world, struct row *row)
 
 /* Bytes read and written in a step, walls left aside, if what the parts hand over does not stay in a cache: pairs read
  * row, reach (single: and where it was built) and history of each slot, records and columns, and add to the sums;
- * advance reads and writes the sums, x, v, a and rotations, reads x_list and constants and writes the records. */
+ * advance reads the sums and zeroes their rows, reads constants, reads and writes what steps go on with (double: x, v,
+ * rotations and their views, beside x_list; single: the views and a rest of each) and writes the records. */
 static double bytes_moved(const struct world *world)
 {
     const struct particles *p = &world->particles;
     const int d = p->dimension, s = p->n_rotations, real = p->single ? 4 : 8;
-    const int record = 8 * RECORD_STRIDE(d, s > 0, p->single), sums = ROW_BYTES(d, s > 0, p->single) + (d + s) * real;
+    const int record = 8 * RECORD_STRIDE(d, s > 0, p->single), rows = ROW_BYTES(d, s > 0, p->single);
     const int history = ((s && p->single ? 2 * s : s) + (s > 0) + world->pairs.hysteretic) * real;
     const int slot = 4 + real + (p->single ? (d + 1) * real : 0) + 2 * history;
     const int positions = d * real, velocities = (d + s) * real, radius = s ? real : 0;
-    const int pair = record + positions + velocities + radius + 2 * sums;
-    const int state = 8 * (2 * (d + d + s) + d), factors = (s ? 3 : 1) * real;
-    const int advance = 2 * sums + state + factors + record + 2 * velocities + (p->single ? positions : 0);
+    const int pair =
+        record + positions + velocities + radius + 2 * (rows + velocities); /* columns are velocities' size */
+    const int state = p->single ? 4 * (positions + velocities) : 8 * (2 * (d + d + s) + d) + 2 * velocities;
+    const int factors = (s ? 3 : 1) * real, advance = 2 * rows + velocities + state + factors + record;
     return (double)slot * SET_WIDTH * world->pairs.n_sets + (double)(pair + advance) * p->count;
 }
 

@@ -157,9 +157,8 @@ static const struct key neighbor_keys[] = {
      "skin of the Verlet list over the mean radius: speed, and the order in which forces are summed up; 0: tuned while "
      "running"},
     {"renumber_steps", KEY_INT, OF(scene_neighbor, renumber_steps), NULL, -1, 9e15, "-1", NULL, NULL,
-     "particles are put into an order in space every so many steps (forces are then summed in another order); 0: "
-     "never; "
-     "-1: as the number of particles asks for. Ids in records stay"},
+     "particles are put into an order every so many steps, from neighbour to neighbour (forces are then summed in "
+     "another order); 0: never; -1: 4096 from 1000 particles on. Ids in records stay"},
     {0}};
 
 static const struct key analysis_keys[] = {
@@ -182,7 +181,7 @@ static const struct key scene_keys[] = {
     {"seed", KEY_INT, OF(scene, seed), NULL, 0, 9e15, "1", NULL, NULL, "seed of radii, order and velocities"},
     {"precision", KEY_CHOICE, OF(scene, precision), NULL, 0, 0, "double", precision_names, NULL,
      "of contacts; mixed: in float, from positions relative to where lists were built; forces off by 2e-7, faster. "
-     "State and ledger are double in either (docs/theory.md)"},
+     "The ledger is double in either, the state keeps at least as many digits (docs/theory.md)"},
     {"gravity_m_per_s2", KEY_FLOATS, OF(scene, gravity_m_per_s2), "m/s^2", -1e6, 1e6, "", NULL, NULL,
      "[x, y, z]; empty: none"},
     {"checkpoint_interval_s", KEY_FLOAT, OF(scene, checkpoint_interval_s), "s", 0, INFINITY, "0", NULL, NULL,

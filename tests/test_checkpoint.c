@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "sim/checkpoint.h"
+#include "sim/checkpoint_file.h"
 #include "sim/measure.h"
 #include "wallctl/law.h"
 
@@ -336,6 +337,58 @@ static void test_damage(void **state)
 }
 
 /* What fails leaves the old checkpoint, and nothing beside it. */
+/* Takes a member out of the file. */
+static void forget(const char *member)
+{
+    enum { HEADER = 512 };
+    static const char bare[] = "test_checkpoint_bare.h5";
+    size_t size;
+    unsigned char *bytes = file_read(path, &size);
+    file_write(bare, bytes + HEADER, size - HEADER);
+    free(bytes);
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    assert_true(H5Pset_fapl_core(access, 1 << 20, 0) >= 0); /* in memory, as checkpoint_image_save has it */
+    hid_t file = H5Fopen(bare, H5F_ACC_RDWR, access);
+    assert_true(H5Ldelete(file, member, H5P_DEFAULT) >= 0);
+    must(checkpoint_image_save(file, path));
+    H5Pclose(access);
+    H5Fclose(file);
+    assert_int_equal(unlink(bare), 0);
+}
+
+/* A file that lacks what came later is no run to go on with, but a sample to start from. */
+static void test_older_files(void **state)
+{
+    static const char *const later[] = {"world/kicked_s", "walls/0/touching", "particles/v_rest"};
+    static const char mixed[] = "precision = \"mixed\";";
+    char sample[128];
+    struct run_progress taken;
+    struct world *resumed, *world, *started;
+    (void)state;
+    snprintf(sample, sizeof sample, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
+    struct scene *scene = scene_make(&models[3], PARTICLES, "", mixed);
+    struct scene *next = scene_make(&models[3], PARTICLES, sample, mixed);
+    must(world_create(&world, scene));
+    go_on(world, STAGE_STEPS);
+    for (int k = 0; k < 3; k++) {
+        must(checkpoint_write(path, world, &progress));
+        forget(later[k]);
+        assert_int_equal(checkpoint_resume(path, scene, &resumed, &taken), STATUS_FORMAT);
+        assert_null(resumed);
+        assert_non_null(strstr(status_message(), later[k]));
+        assert_non_null(strstr(status_message(), "an older version wrote it"));
+        must(world_create(&started, next));
+        for (int c = 0; c < 2; c++)
+            assert_memory_equal(started->particles.x[c], world->particles.x[c], PARTICLES * sizeof(double));
+        go_on(started, INT64_MAX);
+        assert_int_equal(started->step, 2 * STAGE_STEPS);
+        world_free(started);
+    }
+    world_free(world);
+    scene_drop(scene);
+    scene_drop(next);
+}
+
 static void test_full_disk(void **state)
 {
     struct scene *scene;
@@ -401,6 +454,7 @@ int main(void)
         cmocka_unit_test(test_same_bits),    cmocka_unit_test(test_shared_preparation),
         cmocka_unit_test(test_other_scenes), cmocka_unit_test(test_damage),
         cmocka_unit_test(test_full_disk),    cmocka_unit_test(test_share),
+        cmocka_unit_test(test_older_files),
     };
     return cmocka_run_group_tests(tests, NULL, remove_file);
 }
