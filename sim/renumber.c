@@ -75,37 +75,28 @@ static enum status spatial_order(const struct particles *p, int32_t *order)
     return status;
 }
 
-static void permute(double *values, int count, const int32_t *order, double *scratch)
+/* `count` members of `size` bytes, or nothing if there is no such array. */
+static void permute(void *array, size_t size, int count, const int32_t *order, void *scratch)
 {
-    if (!values)
-        return;
-    for (int k = 0; k < count; k++)
-        scratch[k] = values[order[k]];
-    memcpy(values, scratch, (size_t)count * sizeof *values);
-}
-
-/* The same for arrays of four bytes: floats, integers. */
-static void permute_small(void *values, int count, const int32_t *order, void *scratch)
-{
-    const unsigned char *from = values;
+    const unsigned char *from = array;
     unsigned char *to = scratch;
-    if (!values)
+    if (!array)
         return;
     for (int k = 0; k < count; k++)
-        memcpy(to + sizeof(float) * (size_t)k, from + sizeof(float) * (size_t)order[k], sizeof(float));
-    memcpy(values, scratch, (size_t)count * sizeof(float));
+        memcpy(to + size * (size_t)k, from + size * (size_t)order[k], size);
+    memcpy(array, scratch, size * (size_t)count);
 }
 
 /* Single: what steps go on with. */
 static void permute_steps(struct particles *p, const int32_t *order, void *scratch)
 {
     for (int c = 0; c < 3; c++) {
-        permute_small(p->view_u[c], p->count, order, scratch);
-        permute_small(p->view_v[c], p->count, order, scratch);
-        permute_small(p->view_omega[c], p->count, order, scratch);
-        permute_small(p->u_rest[c], p->count, order, scratch);
-        permute_small(p->v_rest[c], p->count, order, scratch);
-        permute_small(p->omega_rest[c], p->count, order, scratch);
+        permute(p->view_u[c], sizeof(int32_t), p->count, order, scratch);
+        permute(p->u_rest[c], sizeof(float), p->count, order, scratch);
+        permute(p->view_v[c], sizeof(float), p->count, order, scratch);
+        permute(p->v_rest[c], sizeof(float), p->count, order, scratch);
+        permute(p->view_omega[c], sizeof(float), p->count, order, scratch);
+        permute(p->omega_rest[c], sizeof(float), p->count, order, scratch);
     }
 }
 
@@ -116,17 +107,17 @@ static enum status permute_particles(struct particles *p, const int32_t *order, 
     if (!scratch)
         return no_memory();
     for (int c = 0; c < 3; c++) {
-        permute(p->x[c], p->count, order, scratch);
-        permute(p->v[c], p->count, order, scratch);
-        permute(p->a[c], p->count, order, scratch);
-        permute(p->x_list[c], p->count, order, scratch);
-        permute(p->omega[c], p->count, order, scratch);
-        permute(p->alpha[c], p->count, order, scratch);
+        permute(p->x[c], sizeof(double), p->count, order, scratch);
+        permute(p->v[c], sizeof(double), p->count, order, scratch);
+        permute(p->a[c], sizeof(double), p->count, order, scratch);
+        permute(p->x_list[c], sizeof(double), p->count, order, scratch);
+        permute(p->omega[c], sizeof(double), p->count, order, scratch);
+        permute(p->alpha[c], sizeof(double), p->count, order, scratch);
     }
-    permute(p->radius, p->count, order, scratch);
-    permute(p->mass, p->count, order, scratch);
-    permute(p->inv_mass, p->count, order, scratch);
-    permute(p->inv_inertia, p->count, order, scratch);
+    permute(p->radius, sizeof(double), p->count, order, scratch);
+    permute(p->mass, sizeof(double), p->count, order, scratch);
+    permute(p->inv_mass, sizeof(double), p->count, order, scratch);
+    permute(p->inv_inertia, sizeof(double), p->count, order, scratch);
     if (p->single)
         permute_steps(p, order, scratch);
     free(scratch);
