@@ -55,7 +55,8 @@ struct row {
     int count, contacts, candidates, threads;
     double bytes_mb, stream_us; /* that a step moves, and as long as it takes to move as many in order */
     struct timing_core before, after;
-    double setup_s, step_us, pair_us, walls_us, drift_us, kick_us, build_us, sum_us;
+    double setup_s, step_us, pair_us, walls_us, drift_us, kick_us, build_us;
+    double builds_per_step; /* of the lists, while steps were timed: how fast the particles of this sample move */
 };
 
 /* The particle that gets each place: at random, or in order. */
@@ -122,11 +123,6 @@ static enum status steps(struct world *world, int n)
 }
 
 /* The parts, each as often as wanted at one state: no time passes (dt = 0). */
-static enum status one_step(struct world *world)
-{
-    return world_step_open(world);
-}
-
 static enum status one_pair(struct world *world)
 {
     struct contact_losses losses = {0};
@@ -176,9 +172,35 @@ static enum status time_it(struct world *world, enum status (*part)(struct world
     return STATUS_OK;
 }
 
+/* Microseconds of a step, the least of the blocks, of the steps that built no lists: how often they do depends on how
+ * fast the particles move, and a block of a large sample would have a build or none. */
+static enum status time_steps(struct world *world, struct row *row)
+{
+    const int64_t before = world->neighbor.rebuilds;
+    int64_t all = 0;
+    row->step_us = INFINITY;
+    for (int b = 0; b < BLOCKS; b++) {
+        int done = 0;
+        double spent = 0, start = clock_now_s(), now = start;
+        for (; now - start < BLOCK_S || done == 0; all++) {
+            const int64_t builds = world->neighbor.rebuilds;
+            const double then = now;
+            TRY(world_step_open(world));
+            now = clock_now_s();
+            if (world->neighbor.rebuilds == builds) {
+                spent += now - then;
+                done++;
+            }
+        }
+        row->step_us = fmin(row->step_us, 1e6 * spent / done);
+    }
+    row->builds_per_step = (double)(world->neighbor.rebuilds - before) / (double)all;
+    return STATUS_OK;
+}
+
 static enum status time_parts(struct world *world, struct row *row)
 {
-    TRY(time_it(world, one_step, &row->step_us));
+    TRY(time_steps(world, row));
     TRY(time_it(world, one_pair, &row->pair_us));
     TRY(time_it(world, one_walls, &row->walls_us));
     TRY(time_it(world, one_drift, &row->drift_us));
@@ -250,20 +272,22 @@ static enum status measure_row(const struct kind *kind, int count, bool ordered,
 static json_t *report_row(const struct kind *kind, const struct row *row)
 {
     double n = row->count, parts = row->pair_us + row->walls_us + row->drift_us + row->kick_us;
-    printf("%dD %8d %2d %6s %6.2f %6.2f %7.2f %11.1f %9.2f %6.0f %7.1f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f %5.2f "
-           "%4.1f\n",
-           kind->dimension, row->count, row->threads, row->precision, row->contacts / n, row->candidates / n,
-           row->setup_s, row->step_us, 1e3 * row->step_us / n, 1e6 * row->bytes_mb / n, 1e3 * row->stream_us / n,
-           100 * row->pair_us / parts, 100 * row->walls_us / parts, 100 * row->drift_us / parts,
-           100 * row->kick_us / parts, 1e3 * row->build_us / n, row->build_us / row->step_us,
-           fmin(row->before.ghz, row->after.ghz), fmin(row->before.additions_per_ns, row->after.additions_per_ns));
+    printf(
+        "%dD %8d %2d %6s %6.2f %6.2f %7.2f %11.1f %9.2f %6.0f %7.1f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f %8.4f %5.2f "
+        "%4.1f\n",
+        kind->dimension, row->count, row->threads, row->precision, row->contacts / n, row->candidates / n, row->setup_s,
+        row->step_us, 1e3 * row->step_us / n, 1e6 * row->bytes_mb / n, 1e3 * row->stream_us / n,
+        100 * row->pair_us / parts, 100 * row->walls_us / parts, 100 * row->drift_us / parts,
+        100 * row->kick_us / parts, 1e3 * row->build_us / n, row->build_us / row->step_us, row->builds_per_step,
+        fmin(row->before.ghz, row->after.ghz), fmin(row->before.additions_per_ns, row->after.additions_per_ns));
     fflush(stdout);
-    return json_pack("{s:i, s:s, s:f, s:f, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "dimension",
-                     kind->dimension, "precision", row->precision, "bytes_mb", row->bytes_mb, "stream_us",
+    return json_pack("{s:i, s:s, s:f, s:f, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o}",
+                     "dimension", kind->dimension, "precision", row->precision, "bytes_mb", row->bytes_mb, "stream_us",
                      row->stream_us, "particles", row->count, "threads", row->threads, "contacts", row->contacts,
                      "candidates", row->candidates, "setup_s", row->setup_s, "step_us", row->step_us, "pair_us",
                      row->pair_us, "walls_us", row->walls_us, "drift_us", row->drift_us, "kick_us", row->kick_us,
-                     "build_us", row->build_us, "core", timing_core_json(&row->before, &row->after));
+                     "build_us", row->build_us, "builds_per_step", row->builds_per_step, "core",
+                     timing_core_json(&row->before, &row->after));
 }
 
 /* "a,b,..." into list; returns how many. */
@@ -311,7 +335,7 @@ static enum status bench_kind(const struct kind *kind, const char *precision, co
 static enum status bench_scaling(const struct options *options, json_t *rows)
 {
     printf("          N  T         contacts candid.  setup  us per step  ns per N bytes/N  stream  %% pair walls drift "
-           "kick  build ns/N  in steps   GHz add/ns\n");
+           "kick  build ns/N  in steps per step   GHz add/ns\n");
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
         for (size_t m = 0; m < sizeof precisions / sizeof *precisions; m++)
             if (wanted(options->dimension, kinds[k].dimension == 2 ? "2" : "3") &&
