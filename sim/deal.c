@@ -73,8 +73,7 @@ static enum status lay_out(struct table *t, struct contact_list *list, size_t pl
 
 /* Pairs of a particle and the one behind it, but for where a span of blocks ends. They get sets of their own if these
  * are filled well enough: one costs the kernels 0.6 (2D) to 0.9 (3D) of what another does, and starts the sums. Without
- * branches: they could not be predicted.
- */
+ * branches: they could not be predicted. */
 static void find_next(struct table *t, const struct contact_list *list)
 {
     const int32_t *const i = list->i, *const j = list->j;

@@ -14,7 +14,8 @@ static size_t bytes_per_particle(const struct particles *p)
     size_t sums = (size_t)ROW_BYTES(p->dimension, frictional, p->single);
     size_t record = RECORD_STRIDE(p->dimension, frictional, p->single) * sizeof(double);
     size_t columns = (size_t)(p->dimension + p->n_rotations) * real;
-    size_t views = p->single ? (size_t)(2 * p->dimension + p->n_rotations + frictional) * sizeof(float) : 0;
+    /* and a rest of each */
+    size_t views = p->single ? (size_t)(4 * p->dimension + 2 * p->n_rotations + frictional) * sizeof(float) : 0;
     return (reals + frictional) * sizeof(double) + record + sums + columns + views;
 }
 

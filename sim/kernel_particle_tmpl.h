@@ -152,7 +152,7 @@ struct NAME(drift) {
     real push;                /* from the middle of the step before to that of the one to come */
     real quanta, quanta_rest; /* dt, in quanta per m/s; and what rounding left out */
 #else
-    f64 dt, before_half, minus_one;
+    f64 dt, before_half;
 #endif
 };
 
@@ -170,7 +170,6 @@ LANES_INLINE struct NAME(drift) NAME(drift_of)(const struct particles *p, double
 #else
     to.dt = f64_all(dt_s);
     to.before_half = f64_all(0.5 * before_s);
-    to.minus_one = f64_all(-1.0);
 #endif
     return to;
 }
@@ -225,7 +224,7 @@ LANES_INLINE void NAME(drifted)(struct particles *p, int i, struct NAME(drift) *
         v[c] = NAME(speed)(drift, p->v[c] + i, push->a[c], settled);
         place[c] = f64_fma(drift->dt, v[c], f64_load(p->x[c] + i));
         f64_store(p->x[c] + i, place[c]);
-        real moved = f64_fma(drift->minus_one, f64_load(p->x_list[c] + i), place[c]);
+        real moved = place[c] - f64_load(p->x_list[c] + i);
         v[c] = f64_fma(drift->half, push->a[c], v[c]);
 #endif
         moved2 = real_fma(moved, moved, moved2);
