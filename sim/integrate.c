@@ -12,16 +12,23 @@
 #include "sim/drive.h"
 #include "sim/renumber.h"
 
-static void forces(struct world *world, double dt)
+/* The walls' forces, which the loops of the walls wait for. Rows of the sums start with them. */
+static void wall_forces(struct world *world, double dt)
 {
     struct contact_losses lost = {0};
     world->law.dt = dt;
     struct contact_law_constants of_walls = world->law;
     of_walls.mu_s *= world->material->wall_friction;
     of_walls.mu_d *= world->material->wall_friction;
-    threads_pair(&world->threads, &world->kernels, &world->particles, &world->pairs, &world->law, &lost);
     for (int w = 0; w < world->n_walls; w++)
         world->kernels.wall(&world->particles, &world->walls[w], &of_walls, &lost);
+    contact_losses_add(&world->ledger.contacts, &lost);
+}
+
+static void pair_forces(struct world *world)
+{
+    struct contact_losses lost = {0};
+    threads_pair(&world->threads, &world->kernels, &world->particles, &world->pairs, &world->law, &lost);
     contact_losses_add(&world->ledger.contacts, &lost);
 }
 
@@ -42,24 +49,28 @@ static void kick(struct world *world, double dt)
 void world_settle(const struct world *world)
 {
     struct world *changed = (struct world *)(uintptr_t)world; /* how far a step is, is no part of the state */
-    if (!world->kick_due)
+    if (!world->open)
         return;
-    changed->kick_due = false;
+    changed->open = false;
+    pair_forces(changed);
     kick(changed, world->dt);
     particles_locate(&changed->particles);
 }
 
-/* The kick of the last step, if that is still to be done, and the drift of this one. */
+/* What is left of the last step, and the drift of this one. */
 static bool drift(struct world *world)
 {
     const double reach = 0.5 * world->neighbor.skin;
-    if (!world->kick_due)
+    if (!world->open)
         return threads_drift(&world->threads, &world->kernels, &world->particles, world->dt, world->kicked_s, reach);
     struct kick_constants constants = kick_constants_of(world, world->dt);
+    const struct threads_sweep sweep = {.law = &world->law, .kick = &constants, .dt_s = world->dt, .reach_m = reach};
+    struct contact_losses lost = {0};
     double background_w;
-    bool far = threads_advance(&world->threads, &world->kernels, &world->particles, &constants, world->dt, reach,
-                               &background_w);
-    world->kick_due = false;
+    bool far =
+        threads_sweep(&world->threads, &world->kernels, &world->particles, &world->pairs, &sweep, &lost, &background_w);
+    world->open = false;
+    contact_losses_add(&world->ledger.contacts, &lost);
     world->ledger.background += world->dt * background_w;
     return far;
 }
@@ -69,7 +80,8 @@ void integrate_forces_anew(struct world *world)
     particles_enter(&world->particles);
     world->kicked_s = 0;
     (void)threads_drift(&world->threads, &world->kernels, &world->particles, 0, 0, INFINITY);
-    forces(world, 0);
+    wall_forces(world, 0);
+    pair_forces(world);
     kick(world, 0);
 }
 
@@ -142,8 +154,8 @@ enum status world_step_open(struct world *world)
     stale = stale || neighbor_is_wide(&world->neighbor, &world->particles, world->walls, world->n_walls, world->step);
     if (stale)
         TRY(renew_lists(world));
-    forces(world, world->dt);
-    world->kick_due = true;
+    wall_forces(world, world->dt);
+    world->open = true;
     world->kicked_s = world->dt;
     return interface_step(world, x_before, force_before);
 }

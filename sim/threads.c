@@ -6,14 +6,14 @@
 
 #include "sim/memory.h"
 
-/* Samples from here on are cut (docs/performance.md); a part should be worth a few times the waking of a thread. */
-enum { PARTICLES_PER_PART = 2500, PARTS_MAX = 32 };
+/* Pieces of the pairs: powers of two, so that each is two of the next number. Of a single span, pieces on both sides
+ * would add to its sums at the same time. */
+enum { PIECES_LEAST = 4, PIECES_MAX = PARTICLES_PADDINGS, SPANS_LEAST = 2 };
+enum { NO_PIECE = -1, SEVERAL = -2 }; /* threads_part.piece: nobody has added yet; several at the same time do */
 
-/* Pieces of the pairs: powers of two, so that each is two of the next number. */
-enum { PIECES_LEAST = 4, PIECES_MAX = PARTICLES_PADDINGS };
-
-/* Whole vectors and whole cache lines of every array. */
-enum { ROWS_ALIGNMENT = 16 };
+/* Spans that the sums of a part wait for, in the mean: if they are more, it has left the nearer caches before it is
+ * complete, and going on with it at once gains nothing (docs/performance.md). */
+static const double WAIT_MAX = 2;
 
 static enum status no_memory(void)
 {
@@ -25,28 +25,22 @@ enum status threads_init(struct threads *threads, const struct particles *p, int
     *threads = (struct threads){.n = 1, .n_parts = 1, .n_cuts = 1};
     if (p->count < PARTICLES_LARGE_SAMPLE)
         return STATUS_OK;
-    threads->n_parts = p->count / PARTICLES_PER_PART < PARTS_MAX ? p->count / PARTICLES_PER_PART : PARTS_MAX;
+    threads->n_parts = (p->count + SPAN_WIDTH - 1) / SPAN_WIDTH;
     int n = wanted > 0 ? (int)wanted : omp_get_num_procs();
     threads->n = n < threads->n_parts ? n : threads->n_parts;
 #ifdef __SANITIZE_THREAD__
     threads->n = 1; /* the sanitizer does not see the barriers of OpenMP's library */
 #endif
     threads->piece = calloc(PIECES_MAX, sizeof *threads->piece);
-    threads->power = calloc((size_t)threads->n_parts, sizeof *threads->power);
-    return threads->piece && threads->power ? STATUS_OK : no_memory();
+    threads->part = calloc((size_t)threads->n_parts, sizeof *threads->part);
+    return threads->piece && threads->part ? STATUS_OK : no_memory();
 }
 
 void threads_free(struct threads *threads)
 {
     free(threads->piece);
-    free(threads->power);
+    free(threads->part);
     memset(threads, 0, sizeof *threads);
-}
-
-/* The k-th of n parts of 0 ... total, at a multiple of ROWS_ALIGNMENT but for the last. */
-static int part_start(int k, int n, int total)
-{
-    return k == n ? total : (int)((int64_t)total * k / n / ROWS_ALIGNMENT * ROWS_ALIGNMENT);
 }
 
 /* The rows that the k-th piece adds to, but for its padding particle, which is made its own: cores that share a line
@@ -98,14 +92,15 @@ static void join_pieces(struct threads *threads, int n)
 }
 
 /* As many pieces as are apart and add no more than half to the rows read; but at least a few. */
-void threads_cut(struct threads *threads, const struct particles *p, struct contact_list *pairs)
+static void cut_pairs(struct threads *threads, const struct particles *p, struct contact_list *pairs)
 {
     int n = PIECES_MAX;
     int64_t rows;
     threads->n_cuts = 1;
-    while (n > pairs->slots.n_spans)
+    threads->piece[0] = (struct threads_piece){.last_span = pairs->slots.n_spans, .hi = p->count - 1};
+    while (n * SPANS_LEAST > pairs->slots.n_spans)
         n /= 2;
-    if (threads->n_parts == 1 || n < PIECES_LEAST)
+    if (n < PIECES_LEAST)
         return;
     for (int k = 0; k < n; k++) {
         struct threads_piece *piece = &threads->piece[k];
@@ -115,37 +110,137 @@ void threads_cut(struct threads *threads, const struct particles *p, struct cont
     }
     for (; n > PIECES_LEAST && !(are_apart(threads, n, &rows) && rows < 3 * (int64_t)p->count / 2); n /= 2)
         join_pieces(threads, n);
-    threads->n_cuts = are_apart(threads, n, &rows) ? n : 1;
+    if (are_apart(threads, n, &rows))
+        threads->n_cuts = n;
+    else
+        threads->piece[0] = (struct threads_piece){.last_span = pairs->slots.n_spans, .hi = p->count - 1};
 }
 
-void threads_pair(struct threads *threads, const struct kernels *kernels, struct particles *p,
-                  struct contact_list *pairs, const struct contact_law_constants *law, struct contact_losses *losses)
+/* Span s of piece k adds to the sums of a part; after all spans before it in the list. Odd pieces come after even ones,
+ * and those of a kind at the same time. */
+static void add_to(struct threads_part *part, int k, int s)
 {
-    const int n = threads->n_cuts;
-    if (n == 1) {
-        kernels->pair(p, pairs, 0, pairs->slots.n_spans, law, p->force, losses);
-        return;
+    if (part->piece != k && part->piece != NO_PIECE) {
+        if (k % 2 < part->piece % 2)
+            return;
+        if (part->piece == SEVERAL || k % 2 == part->piece % 2) {
+            part->piece = SEVERAL;
+            return;
+        }
     }
-#pragma omp parallel num_threads(threads->n)
+    part->piece = k;
+    part->complete = s;
+}
+
+static void add_piece(struct threads *threads, int k, const struct particles *p, const struct contact_list *pairs)
+{
+    const uint32_t per_part = SPAN_WIDTH * RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->single);
+    const struct threads_piece *piece = &threads->piece[k];
+    for (int s = piece->first_span; s < piece->last_span; s++) {
+        const struct contact_span *span = &pairs->slots.span[s];
+        add_to(&threads->part[s], k, s);
+        for (int at = span->other * SET_WIDTH; at < span->end * SET_WIDTH; at++) {
+            const uint32_t part = pairs->slots.row[at] / per_part;
+            if (part < (uint32_t)threads->n_parts) /* padding may be behind all */
+                add_to(&threads->part[part], k, s);
+        }
+    }
+}
+
+/* When the sums of each part are complete; the parts of a piece one after the other. */
+static void find_complete(struct threads *threads, const struct particles *p, const struct contact_list *pairs)
+{
+    int64_t waits = 0;
+    int last[PIECES_MAX] = {0};
+    for (int q = 0; q < threads->n_parts; q++)
+        threads->part[q] = (struct threads_part){.piece = NO_PIECE};
+    for (int k = 0; k < threads->n_cuts; k++)
+        add_piece(threads, k, p, pairs);
+    for (int q = 0; q < threads->n_parts; q++) {
+        struct threads_part *part = &threads->part[q];
+        if (part->piece < 0)
+            continue;
+        last[part->piece] = last[part->piece] > part->complete ? last[part->piece] : part->complete;
+        part->complete = last[part->piece];
+        waits += part->complete > q ? part->complete - q : 0;
+    }
+    threads->sweeps = (double)waits <= WAIT_MAX * threads->n_parts;
+}
+
+void threads_cut(struct threads *threads, const struct particles *p, struct contact_list *pairs)
+{
+    if (threads->n_parts == 1)
+        return;
+    cut_pairs(threads, p, pairs);
+    find_complete(threads, p, pairs);
+}
+
+/* The same particles, of which drift and kick treat part q. */
+static struct particles part_of(const struct particles *p, int q)
+{
+    struct particles part = *p;
+    part.from = q * SPAN_WIDTH;
+    part.count = (q + 1) * SPAN_WIDTH < p->count ? (q + 1) * SPAN_WIDTH : p->count;
+    return part;
+}
+
+/* What a thread is at work on. */
+struct work {
+    struct threads *threads;
+    const struct kernels *kernels;
+    struct particles *particles;
+    struct contact_list *pairs;
+    const struct contact_law_constants *law;
+    const struct threads_sweep *sweep; /* NULL: pairs alone */
+};
+
+static void advance_part(const struct work *work, int q)
+{
+    struct threads_part *part = &work->threads->part[q];
+    const struct threads_sweep *sweep = work->sweep;
+    struct particles particles = part_of(work->particles, q);
+    part->far = work->kernels->advance(&particles, sweep->kick, sweep->dt_s, sweep->reach_m, &part->power);
+}
+
+/* The pairs of piece k, span by span; with a sweep also the parts that are complete with it. */
+static void go_through_piece(const struct work *work, int k)
+{
+    struct threads_piece *piece = &work->threads->piece[k];
+    const struct threads_part *part = work->threads->part;
+    const int end = piece->hi / SPAN_WIDTH + 1;
+    int q = piece->lo / SPAN_WIDTH;
+    piece->losses = (struct contact_losses){0};
+    for (int s = piece->first_span; s < piece->last_span; s++) {
+        work->kernels->pair(work->particles, work->pairs, s, s + 1, work->law, work->particles->force, &piece->losses);
+        for (; work->sweep && q < end && (part[q].piece != k || part[q].complete <= s); q++)
+            if (part[q].piece == k)
+                advance_part(work, q);
+    }
+}
+
+/* All pieces, the even ones first. */
+static void go_through_pieces(const struct work *work, struct contact_losses *losses)
+{
+    struct threads *threads = work->threads;
+    const int n = threads->n_cuts;
+#pragma omp parallel num_threads(threads->n) if (n > 1)
     for (int turn = 0; turn < 2; turn++) {
 #pragma omp for schedule(dynamic, 1)
-        for (int k = turn; k < n; k += 2) {
-            struct threads_piece *piece = &threads->piece[k];
-            piece->losses = (struct contact_losses){0};
-            kernels->pair(p, pairs, piece->first_span, piece->last_span, law, p->force, &piece->losses);
-        }
+        for (int k = turn; k < n; k += 2)
+            go_through_piece(work, k);
     }
     for (int k = 0; k < n; k++)
         contact_losses_add(losses, &threads->piece[k].losses);
 }
 
-/* The same particles, of which drift and kick treat the k-th part. */
-static struct particles part_of(const struct threads *threads, const struct particles *p, int k)
+void threads_pair(struct threads *threads, const struct kernels *kernels, struct particles *p,
+                  struct contact_list *pairs, const struct contact_law_constants *law, struct contact_losses *losses)
 {
-    struct particles part = *p;
-    part.from = part_start(k, threads->n_parts, p->count);
-    part.count = part_start(k + 1, threads->n_parts, p->count);
-    return part;
+    const struct work work = {threads, kernels, p, pairs, law, NULL};
+    if (threads->n_parts == 1)
+        kernels->pair(p, pairs, 0, pairs->slots.n_spans, law, p->force, losses);
+    else
+        go_through_pieces(&work, losses);
 }
 
 bool threads_drift(const struct threads *threads, const struct kernels *kernels, struct particles *p, double dt_s,
@@ -156,8 +251,8 @@ bool threads_drift(const struct threads *threads, const struct kernels *kernels,
         return kernels->drift(p, dt_s, before_s, reach_m);
     bool far = false;
 #pragma omp parallel for schedule(static) num_threads(threads->n) reduction(|| : far)
-    for (int k = 0; k < n; k++) {
-        struct particles part = part_of(threads, p, k);
+    for (int q = 0; q < n; q++) {
+        struct particles part = part_of(p, q);
         far = kernels->drift(&part, dt_s, before_s, reach_m) || far;
     }
     return far;
@@ -166,37 +261,50 @@ bool threads_drift(const struct threads *threads, const struct kernels *kernels,
 static double sum_power(const struct threads *threads)
 {
     double sum = 0;
-    for (int k = 0; k < threads->n_parts; k++)
-        sum += threads->power[k];
+    for (int q = 0; q < threads->n_parts; q++)
+        sum += threads->part[q].power;
     return sum;
 }
 
-double threads_kick(const struct threads *threads, const struct kernels *kernels, struct particles *p,
+double threads_kick(struct threads *threads, const struct kernels *kernels, struct particles *p,
                     const struct kick_constants *constants)
 {
     const int n = threads->n_parts;
     if (n == 1)
         return kernels->kick(p, constants);
 #pragma omp parallel for schedule(static) num_threads(threads->n)
-    for (int k = 0; k < n; k++) {
-        struct particles part = part_of(threads, p, k);
-        threads->power[k] = kernels->kick(&part, constants);
+    for (int q = 0; q < n; q++) {
+        struct particles part = part_of(p, q);
+        threads->part[q].power = kernels->kick(&part, constants);
     }
     return sum_power(threads);
 }
 
-bool threads_advance(const struct threads *threads, const struct kernels *kernels, struct particles *p,
-                     const struct kick_constants *constants, double dt_s, double reach_m, double *background_w)
+/* Parts that no piece has gone on with: all, without a sweep. */
+static void advance_rest(const struct work *work)
 {
-    const int n = threads->n_parts;
-    if (n == 1)
-        return kernels->advance(p, constants, dt_s, reach_m, background_w);
+    const struct threads *threads = work->threads;
+#pragma omp parallel for schedule(static) num_threads(threads->n)
+    for (int q = 0; q < threads->n_parts; q++)
+        if (!threads->sweeps || threads->part[q].piece < 0)
+            advance_part(work, q);
+}
+
+bool threads_sweep(struct threads *threads, const struct kernels *kernels, struct particles *p,
+                   struct contact_list *pairs, const struct threads_sweep *sweep, struct contact_losses *losses,
+                   double *background_w)
+{
+    const struct work work = {threads, kernels, p, pairs, sweep->law, threads->sweeps ? sweep : NULL},
+                      rest = {threads, kernels, p, pairs, sweep->law, sweep};
     bool far = false;
-#pragma omp parallel for schedule(static) num_threads(threads->n) reduction(|| : far)
-    for (int k = 0; k < n; k++) {
-        struct particles part = part_of(threads, p, k);
-        far = kernels->advance(&part, constants, dt_s, reach_m, &threads->power[k]) || far;
+    if (threads->n_parts == 1) {
+        kernels->pair(p, pairs, 0, pairs->slots.n_spans, sweep->law, p->force, losses);
+        return kernels->advance(p, sweep->kick, sweep->dt_s, sweep->reach_m, background_w);
     }
+    go_through_pieces(&work, losses);
+    advance_rest(&rest);
+    for (int q = 0; q < threads->n_parts; q++)
+        far = far || threads->part[q].far;
     *background_w = sum_power(threads);
     return far;
 }

@@ -13,12 +13,21 @@ struct threads_piece {
     struct contact_losses losses;
 };
 
+/* Of the particles: those of one span. */
+struct threads_part {
+    int piece;    /* the last one to add to their sums; below 0: there is none such */
+    int complete; /* and after which of its spans these are complete, if not before */
+    double power; /* of the background */
+    bool far;
+};
+
 struct threads {
     int n;                       /* threads */
     int n_parts;                 /* of the particles; 1: a small sample, in one go */
     int n_cuts;                  /* of the pairs; 1: in one go, as particles in no order in space are */
+    bool sweeps;                 /* a step goes on with a part as soon as its sums are complete */
     struct threads_piece *piece; /* [PIECES_MAX] */
-    double *power;               /* [n_parts] of the background, part by part */
+    struct threads_part *part;   /* [n_parts] */
 };
 
 /* As many threads as wanted; 0: as the number of particles and the CPUs of this process suggest. Errors:
@@ -34,9 +43,20 @@ void threads_pair(struct threads *threads, const struct kernels *kernels, struct
                   struct contact_list *pairs, const struct contact_law_constants *law, struct contact_losses *losses);
 bool threads_drift(const struct threads *threads, const struct kernels *kernels, struct particles *particles,
                    double dt_s, double before_s, double reach_m);
-bool threads_advance(const struct threads *threads, const struct kernels *kernels, struct particles *particles,
-                     const struct kick_constants *constants, double dt_s, double reach_m, double *background_w);
-double threads_kick(const struct threads *threads, const struct kernels *kernels, struct particles *particles,
+double threads_kick(struct threads *threads, const struct kernels *kernels, struct particles *particles,
                     const struct kick_constants *constants);
+
+/* What the rest of a step and the drift of the next want to know. */
+struct threads_sweep {
+    const struct contact_law_constants *law;
+    const struct kick_constants *kick;
+    double dt_s, reach_m; /* of the drift */
+};
+
+/* Forces between particles, kick and drift of the next step, all at once: the same bits as one after the other. Adds
+ * the energy lost. Returns what advance_kernel does. */
+bool threads_sweep(struct threads *threads, const struct kernels *kernels, struct particles *particles,
+                   struct contact_list *pairs, const struct threads_sweep *sweep, struct contact_losses *losses,
+                   double *background_w);
 
 #endif

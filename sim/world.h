@@ -57,7 +57,7 @@ struct world {
     double stage_time_start_s;
     double stage_position_m[SCENE_WALLS_MAX];
     double dt;
-    bool kick_due;   /* of the last step: world_step_open */
+    bool open;       /* the last step is not complete: world_step_open */
     double kicked_s; /* the time step of the last kick, or of the one that is due; 0 at the start of a stage */
 };
 
@@ -89,10 +89,10 @@ enum status world_command(struct world *world, const struct wall_command *comman
  * depend on velocity. STATUS_UNSTABLE if a particle has left the box or is not finite. */
 enum status world_step(struct world *world) MUST_USE;
 
-/* The same, but velocities may be those of the middle of the step, and accelerations older: the next step completes
- * them and goes on in one pass over the particles, which is faster and the same bits. Who reads them calls world_settle
- * first; measurements, hash, checkpoint and a change of stage do. Positions, lists, walls and their forces are
- * complete. */
+/* The same, but forces between particles and what follows from them are left to the next step, which goes on in as few
+ * passes over the particles as it can: faster, and the same bits. Who reads velocities, accelerations, the contacts'
+ * history or the ledger calls world_settle first; measurements, hash, checkpoint and a change of stage do. Walls and
+ * their forces are complete, and in double positions. */
 enum status world_step_open(struct world *world) MUST_USE;
 void world_settle(const struct world *world);
 

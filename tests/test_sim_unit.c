@@ -278,7 +278,7 @@ static void open_steps_change_nothing(void **state)
         for (int k = 0; k < 3000; k++) {
             must(world_step(a.world));
             must(world_step_open(b.world));
-            assert_true(b.world->kick_due && !a.world->kick_due);
+            assert_true(b.world->open && !a.world->open);
         }
         assert_true(world_hash(a.world) == world_hash(b.world));
         assert_true(a.world->ledger.background == b.world->ledger.background);
