@@ -393,16 +393,28 @@ LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
         _mm256_storeu_pd(to, _mm256_loadu_pd(to) + _mm256_load_pd(&buffer[(r & 1) + (r & 4) / 2][2 * (r & 2)]));
     }
 }
+/* Of the sum only the lower half is kept. */
+LANES_INLINE void lanes_add_row2_single(void *base, uint32_t row, int unit, __m128 x)
+{
+    float *to = lanes_sums(base, row, unit);
+    _mm_storel_pi((__m64 *)to, _mm_castsi128_ps(_mm_loadu_si64(to)) + x);
+}
+LANES_INLINE void lanes_add_two_rows(void *base, const uint32_t *row, int unit, __m128 two)
+{
+    lanes_add_row2_single(base, row[0], unit, two);
+    lanes_add_row2_single(base, row[1], unit, _mm_movehl_ps(two, two));
+}
 LANES_INLINE void f32_add2(void *base, const uint32_t *row, int unit, const f32 *column)
 {
-    float buffer[2][16] __attribute__((aligned(64)));
-    _mm512_store_ps(buffer[0], _mm512_unpacklo_ps(column[0], column[1])); /* rows 0 1 | 4 5 | ... */
-    _mm512_store_ps(buffer[1], _mm512_unpackhi_ps(column[0], column[1]));
-    for (int r = 0; r < 16; r++) {
-        float *to = lanes_sums(base, row[r], unit);
-        __m128 add = _mm_castsi128_ps(_mm_loadu_si64(&buffer[(r & 2) / 2][(r & 12) + 2 * (r & 1)]));
-        _mm_storeu_si64(to, _mm_castps_si128(_mm_castsi128_ps(_mm_loadu_si64(to)) + add));
-    }
+    const f32 low = _mm512_unpacklo_ps(column[0], column[1]), high = _mm512_unpackhi_ps(column[0], column[1]);
+#define QUARTER(q)                                                                                                     \
+    lanes_add_two_rows(base, row + 4 * (q), unit, _mm512_extractf32x4_ps(low, q));                                     \
+    lanes_add_two_rows(base, row + 4 * (q) + 2, unit, _mm512_extractf32x4_ps(high, q))
+    QUARTER(0);
+    QUARTER(1);
+    QUARTER(2);
+    QUARTER(3);
+#undef QUARTER
 }
 LANES_INLINE void f32_add4(void *base, const uint32_t *row, int unit, const f32 *column)
 {
