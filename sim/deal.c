@@ -260,6 +260,13 @@ static int sets_of(int width, int n)
     return (n * width + SET_WIDTH - 1) / SET_WIDTH;
 }
 
+/* Sets of neighbours in the order in the span of blocks from `first` on. */
+static int next_sets(bool chained, int width, int first, int n_blocks)
+{
+    const int blocks = SPAN_WIDTH / width, rest = n_blocks - first;
+    return chained ? sets_of(width, rest < blocks ? rest : blocks) : 0;
+}
+
 /* Sets of the spans. */
 static void number_spans(struct table *t)
 {
@@ -268,7 +275,7 @@ static void number_spans(struct table *t)
     for (int s = 0; s < n; s++) {
         const int first = s * t->span_blocks, end = first + t->span_blocks,
                   last = end < t->n_blocks ? end : t->n_blocks;
-        const int next = t->chained ? sets_of(t->width, last - first) : 0;
+        const int next = next_sets(t->chained, t->width, first, t->n_blocks);
         t->span[s + 1] = t->span[s] + next + sets_of(t->width, t->count[last] - t->count[first]);
     }
 }
@@ -282,8 +289,7 @@ int deal_next_row(const struct deal *deal, int b)
 int deal_other_row(const struct deal *deal, int b)
 {
     const int blocks = SPAN_WIDTH / deal->width, rows = SET_WIDTH / deal->width, s = b / blocks, first = s * blocks;
-    const int rest = deal->n_blocks - first;
-    const int next = deal->chained ? sets_of(deal->width, rest < blocks ? rest : blocks) : 0;
+    const int next = next_sets(deal->chained, deal->width, first, deal->n_blocks);
     return rows * (deal->span[s] + next) + deal->count[b] - deal->count[first];
 }
 
