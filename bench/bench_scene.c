@@ -1,7 +1,8 @@
 /* bench_scene SCENE --sim PROGRAM --out FOLDER [--set key=value]... [--json FILE]: microseconds per step of a scene's
  * last stage and of each of its parts, for both precisions and every instruction set that the CPU can run, side by side
  * in one run. The stages before are run once by the program `sim`; the sample stays in the folder. `step` is a whole
- * step with its exchange, rebuilds of lists and ledger; `advance` is kick and drift in one pass, as steps have it. */
+ * step with an exchange of its own, rebuilds of lists and ledger, `run` one with the coupling that the scene asks for;
+ * `advance` is kick and drift in one pass, as steps have it. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -16,27 +17,28 @@
 #include "sim/world.h"
 #include "wallctl/law.h"
 
-enum { BLOCKS = 30, BLOCKS_OF_REFERENCE = 2, STEPS_PER_BLOCK = 50, BUILDS_PER_BLOCK = 4, ENERGY_STEPS = 500 };
+enum { BLOCKS = 100, BLOCKS_OF_REFERENCE = 2, STEPS_PER_BLOCK = 64, BUILDS_PER_BLOCK = 4, ENERGY_STEPS = 500 };
 
 enum per { PER_PARTICLE, PER_CONTACT, PER_WALL_CONTACT, PER_COUNT };
 static const char *const per_name[] = {"particle", "contact", "wall contact"};
 
 struct bench {
     struct world *world;
-    struct held_energy held; /* for the controller's conditions */
+    struct scene *scene;                /* of the world */
+    struct scene_coupling every, asked; /* an exchange at every step; as the scene has it */
+    int left;                           /* steps until the next exchange */
+    struct held_energy held;            /* for the controller's conditions */
     int64_t energy_step;
     int n[PER_COUNT];
     json_t *rows;
 };
 
-/* Exchange with the law and one step, as `sim --in-process` with an interval of 1. */
-static enum status one_step(void *user)
+static enum status exchange(struct bench *bench)
 {
-    struct bench *bench = user;
     struct world *world = bench->world;
     struct wall_state state;
     struct wall_command command;
-    if (world->stage >= 0 && world->step % ENERGY_STEPS == 0) { /* no law before the first stage */
+    if (world->stage >= 0 && world->step - bench->energy_step >= ENERGY_STEPS) { /* no law before the first stage */
         bench->held = measure_held_energy(world);
         bench->energy_step = world->step;
     }
@@ -47,8 +49,30 @@ static enum status one_step(void *user)
     TRY(wallctl_law(world->scene, &state, &command));
     if (command.finished)
         return status_fail(STATUS_LIMIT, "the last stage is shorter than what is measured");
-    TRY(world_command(world, &command));
-    return world_step_open(world);
+    bench->left = command.n_steps;
+    return world_command(world, &command);
+}
+
+/* One step, as those of `sim --in-process`: an exchange with the law when one is due. */
+static enum status next_step(struct bench *bench, const struct scene_coupling *coupling)
+{
+    bench->scene->coupling = *coupling;
+    if (bench->left == 0)
+        TRY(exchange(bench));
+    bench->left--;
+    return world_step_open(bench->world);
+}
+
+static enum status one_step(void *user)
+{
+    struct bench *bench = user;
+    return next_step(bench, &bench->every);
+}
+
+static enum status one_step_of_run(void *user)
+{
+    struct bench *bench = user;
+    return next_step(bench, &bench->asked);
 }
 
 /* The parts, each as often as wanted at one state: no time passes (dt = 0), so nothing changes. */
@@ -112,10 +136,10 @@ static const struct part {
     timed_part *run;
     int repeats;
     enum per per;
-} parts[] = {{"step", one_step, STEPS_PER_BLOCK, PER_PARTICLE},       {"pair", one_pair, STEPS_PER_BLOCK, PER_CONTACT},
-             {"walls", one_walls, STEPS_PER_BLOCK, PER_WALL_CONTACT}, {"advance", one_advance, STEPS_PER_BLOCK, 0},
-             {"drift", one_drift, STEPS_PER_BLOCK, PER_PARTICLE},     {"kick", one_kick, STEPS_PER_BLOCK, PER_PARTICLE},
-             {"build", one_build, BUILDS_PER_BLOCK, PER_PARTICLE}};
+} parts[] = {{"step", one_step, STEPS_PER_BLOCK, PER_PARTICLE}, {"run", one_step_of_run, STEPS_PER_BLOCK, PER_PARTICLE},
+             {"pair", one_pair, STEPS_PER_BLOCK, PER_CONTACT},  {"walls", one_walls, STEPS_PER_BLOCK, PER_WALL_CONTACT},
+             {"advance", one_advance, STEPS_PER_BLOCK, 0},      {"drift", one_drift, STEPS_PER_BLOCK, PER_PARTICLE},
+             {"kick", one_kick, STEPS_PER_BLOCK, PER_PARTICLE}, {"build", one_build, BUILDS_PER_BLOCK, PER_PARTICLE}};
 
 static void report(struct bench *bench, const struct part *part, const struct timing *t, double step_us)
 {
@@ -126,7 +150,7 @@ static void report(struct bench *bench, const struct part *part, const struct ti
            t->median_us, 100 * t->least_us / step_us, ns, per_name[part->per]);
     if (t->instructions >= 0)
         printf(" %7.1f instructions", t->instructions / n);
-    if (part == parts)
+    if (part->run == one_step || part->run == one_step_of_run)
         printf(" %.3g particle-steps/s", 1e9 / ns);
     printf("\n");
     json_array_append_new(bench->rows,
@@ -151,7 +175,7 @@ static enum status measure_isa(struct bench *bench, enum kernel_isa isa)
         TRY(timing_take(parts[k].run, bench, blocks, parts[k].repeats, &timing));
         step_us = k == 0 ? timing.least_us : step_us;
         report(bench, &parts[k], &timing, step_us);
-        if (k == 0)
+        if (parts[k].run == one_step_of_run)
             world_settle(world);
     }
     return STATUS_OK;
@@ -174,6 +198,8 @@ static void count(struct bench *bench)
 static enum status measure_precision(struct bench *bench, struct scene *scene, int precision)
 {
     scene->precision = precision;
+    bench->left = 0;
+    bench->energy_step = 0;
     enum status status = world_create(&bench->world, scene);
     if (status == STATUS_OK)
         status = one_step(bench);
@@ -191,7 +217,9 @@ static enum status measure_precision(struct bench *bench, struct scene *scene, i
 
 static enum status bench_scene(struct scene *scene, const char *json_path)
 {
-    struct bench bench = {.rows = json_array()};
+    struct bench bench = {.rows = json_array(), .scene = scene, .every = scene->coupling, .asked = scene->coupling};
+    bench.every.scheme = SCHEME_HOLD;
+    bench.every.interval_steps = 1;
     bool counts = timing_counts_instructions();
     const struct timing_core before = timing_core();
     printf("%-6s %-9s %-7s %9s %9s %7s\n", "", "kernels", "part", "least us", "median us", "of step");
@@ -224,8 +252,6 @@ static enum status prepare_and_bench(const struct command_line *line, const char
     enum status status = scene_load(scene, path, line->override, line->n_overrides);
     if (status == STATUS_OK) {
         prepare_stage(scene, (int)scene->n_stages - 1, checkpoint);
-        scene->coupling.scheme = SCHEME_HOLD;
-        scene->coupling.interval_steps = 1;
         status = bench_scene(scene, json_path);
     }
     scene_free(scene);
