@@ -146,7 +146,8 @@ static struct contact_span span_of(const struct deal *deal, int s, int n_particl
     return (struct contact_span){.first = first,
                                  .last = first + (rest < SPAN_WIDTH ? rest : SPAN_WIDTH),
                                  .next = deal->span[s],
-                                 .other = deal_other_row(deal, first / deal->width) / (SET_WIDTH / deal->width),
+                                 .whole = deal_whole_set(deal, s),
+                                 .halves = deal_halves_set(deal, s),
                                  .end = deal->span[s + 1]};
 }
 
@@ -163,11 +164,10 @@ static void fill_first(struct contact_slots *slots, const struct deal *deal)
         for (int half = 2 * deal->span[s]; half < 2 * deal->span[s + 1]; half++)
             slots->first[half] = (uint32_t)s * SPAN_WIDTH;
     for (int b = 0; b < deal->n_blocks; b++) {
-        const int first = deal_other_row(deal, b), n = deal->count[b + 1] - deal->count[b];
         if (deal->chained)
             fill_row(slots, deal, b, deal_next_row(deal, b));
-        for (int row = first; row < first + n; row++)
-            fill_row(slots, deal, b, row);
+        for (int k = 0; k < deal_rows(deal, b); k++)
+            fill_row(slots, deal, b, deal_row(deal, b, k));
     }
 }
 

@@ -30,11 +30,12 @@ struct contact_losses {
 /* What kernels take at a time: a set, of two halves; and what a range of a list is made of, a span of particles. */
 enum { SET_WIDTH = 16, HALF_WIDTH = 8, SPAN_WIDTH = 1024 };
 
-/* Particles first ... last - 1, in whole sets, and the sets that are theirs: first those of neighbours in the order,
- * one after the other, if there are any, then the others. */
+/* Particles first ... last - 1, in whole sets, and the sets that are theirs: those of neighbours in the order, one
+ * after the other, if there are any, from set `next` on; from `whole` on others of SET_WIDTH particles side by side;
+ * and from `halves` to end - 1 those whose halves may stand apart. */
 struct contact_span {
     int first, last;
-    int next, other, end; /* sets next ... other - 1 and other ... end - 1 */
+    int next, whole, halves, end;
 };
 
 /* The kernels' order of a list, slot by slot; SET_WIDTH slots are a set. Pairs: a half of a set, in 3D a whole one,

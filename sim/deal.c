@@ -33,12 +33,12 @@ struct table {
     int32_t *next; /* [n_particles] the pair with the particle behind it; -1: none */
     int32_t *pair; /* [n_pairs] the other pairs, which are dealt out */
     int n_pairs;
-    struct column *column; /* [n_particles] */
-    int32_t *planned;      /* [n_blocks] rows */
-    int32_t *start;        /* [n_blocks + 1] the block's first place in the table */
-    int32_t *count, *span; /* as in struct deal */
-    struct entry *entry;   /* [start[n_blocks]] set by set */
-    struct entry *over;    /* [n_over] pairs that the table has no place for, and who has them */
+    struct column *column;          /* [n_particles] */
+    int32_t *planned;               /* [n_blocks] rows; in the end those that there are */
+    int32_t *start;                 /* [n_blocks + 1] the block's first place in the table */
+    int32_t *whole, *single, *span; /* as in struct deal */
+    struct entry *entry;            /* [start[n_blocks]] set by set */
+    struct entry *over;             /* [n_over] pairs that the table has no place for, and who has them */
     int n_over;
     int n_searches, visits_max;
     struct visit visit[VISITS_MAX];
@@ -57,13 +57,14 @@ static enum status lay_out(struct table *t, struct contact_list *list, size_t pl
     const size_t own = (size_t)t->n_particles + (size_t)t->n_particles % 2;
     const size_t pairs = (size_t)list->count + (size_t)list->count % 2;
     const size_t spans = 2 * (size_t)(n_spans(t->n_particles) / 2 + 1);
-    const size_t before = column + 3 * even + 4 + spans + own + 3 * pairs, size = before + 2 * places;
+    const size_t before = column + 4 * even + 6 + spans + own + 3 * pairs, size = before + 2 * places;
     TRY(contact_list_work(list, size, places ? before : 0));
     t->column = (struct column *)list->scratch;
     t->planned = list->scratch + column;
     t->start = t->planned + even;
-    t->count = t->start + even + 2;
-    t->span = t->count + even + 2;
+    t->whole = t->start + even + 2;
+    t->single = t->whole + even + 2;
+    t->span = t->single + even + 2;
     t->next = t->span + spans;
     t->pair = t->next + own;
     t->over = (struct entry *)(t->pair + pairs);
@@ -235,72 +236,116 @@ static uint32_t slot_of(const struct table *t, int row, int owner, int other)
     return 2 * (uint32_t)(row * t->width + owner % t->width) + (owner > other);
 }
 
-/* Sets of a block: as many as its longest column needs. */
+/* Rows of a block: as many as its longest column needs. */
+static int rows_of(const struct table *t, int b)
+{
+    int most = 0;
+    for (int l = 0; l < lanes_of(t, b); l++) {
+        const struct column *column = &t->column[t->width * b + l];
+        int length = (column->next - t->start[b]) / t->width + column->left;
+        most = length > most ? length : most;
+    }
+    return most;
+}
+
+/* The rows that the blocks of SET_WIDTH particles side by side all have are whole sets, the others are not. */
 static void number_rows(struct table *t)
 {
+    const int shares = SET_WIDTH / t->width;
     for (int q = 0; q < t->n_particles; q++) /* from here on `left` counts what is beyond the table */
         t->column[q].left = 0;
     for (int m = 0; m < t->n_over; m++)
         t->column[t->over[m].other].left++;
-    t->count[0] = 0;
-    for (int b = 0; b < t->n_blocks; b++) {
-        int most = 0;
-        for (int l = 0; l < lanes_of(t, b); l++) {
-            const struct column *column = &t->column[t->width * b + l];
-            int length = (column->next - t->start[b]) / t->width + column->left;
-            most = length > most ? length : most;
+    for (int b = 0; b < t->n_blocks; b++)
+        t->planned[b] = rows_of(t, b);
+    t->whole[0] = t->single[0] = 0;
+    for (int b = 0; b < t->n_blocks; b += shares) {
+        const int last = b + shares - 1, of_last = last < t->n_blocks ? t->planned[last] : 0;
+        const int least = of_last < t->planned[b] ? of_last : t->planned[b]; /* of one or two blocks */
+        for (int h = b; h <= last && h < t->n_blocks; h++) {
+            t->whole[h] = t->whole[b];
+            t->single[h + 1] = t->single[h] + t->planned[h] - least;
         }
-        t->count[b + 1] = t->count[b] + most;
+        t->whole[b + shares] = t->whole[b] + least;
     }
 }
 
-/* Sets with room for n rows. */
-static int sets_of(int width, int n)
+static int shares_of(const struct deal *deal)
 {
-    return (n * width + SET_WIDTH - 1) / SET_WIDTH;
+    return SET_WIDTH / deal->width;
 }
 
-/* Sets of neighbours in the order in the span of blocks from `first` on. */
-static int next_sets(bool chained, int width, int first, int n_blocks)
+/* The first block of span s, or what would be the next one behind the last block. */
+static int first_block(const struct deal *deal, int s)
 {
-    const int blocks = SPAN_WIDTH / width, rest = n_blocks - first;
-    return chained ? sets_of(width, rest < blocks ? rest : blocks) : 0;
+    const int blocks = SPAN_WIDTH / deal->width, shares = shares_of(deal),
+              end = (deal->n_blocks + shares - 1) / shares * shares;
+    return s * blocks < end ? s * blocks : end;
+}
+
+static int single_before(const struct deal *deal, int b)
+{
+    return deal->single[b < deal->n_blocks ? b : deal->n_blocks];
+}
+
+int deal_whole_set(const struct deal *deal, int s)
+{
+    const int blocks = first_block(deal, s + 1) - first_block(deal, s);
+    return deal->span[s] + (deal->chained ? blocks / shares_of(deal) : 0);
+}
+
+int deal_halves_set(const struct deal *deal, int s)
+{
+    return deal_whole_set(deal, s) + deal->whole[first_block(deal, s + 1)] - deal->whole[first_block(deal, s)];
 }
 
 /* Sets of the spans. */
-static void number_spans(struct table *t)
+static void number_spans(struct table *t, const struct deal *deal)
 {
-    const int n = n_spans(t->n_particles);
     t->span[0] = 0;
-    for (int s = 0; s < n; s++) {
-        const int first = s * t->span_blocks, end = first + t->span_blocks,
-                  last = end < t->n_blocks ? end : t->n_blocks;
-        const int next = next_sets(t->chained, t->width, first, t->n_blocks);
-        t->span[s + 1] = t->span[s] + next + sets_of(t->width, t->count[last] - t->count[first]);
+    for (int s = 0; s < deal->n_spans; s++) {
+        const int rows = single_before(deal, first_block(deal, s + 1)) - single_before(deal, first_block(deal, s));
+        t->span[s + 1] = deal_halves_set(deal, s) + (rows * t->width + SET_WIDTH - 1) / SET_WIDTH;
     }
 }
 
 int deal_next_row(const struct deal *deal, int b)
 {
-    const int blocks = SPAN_WIDTH / deal->width, rows = SET_WIDTH / deal->width;
-    return rows * deal->span[b / blocks] + b % blocks;
+    const int blocks = SPAN_WIDTH / deal->width;
+    return shares_of(deal) * deal->span[b / blocks] + b % blocks;
 }
 
-int deal_other_row(const struct deal *deal, int b)
+/* How many rows of block b are in whole sets. */
+static int whole_rows(const struct deal *deal, int b)
 {
-    const int blocks = SPAN_WIDTH / deal->width, rows = SET_WIDTH / deal->width, s = b / blocks, first = s * blocks;
-    const int next = next_sets(deal->chained, deal->width, first, deal->n_blocks);
-    return rows * (deal->span[s] + next) + deal->count[b] - deal->count[first];
+    const int shares = shares_of(deal), first = b - b % shares;
+    return deal->whole[first + shares] - deal->whole[first];
+}
+
+int deal_rows(const struct deal *deal, int b)
+{
+    return whole_rows(deal, b) + deal->single[b + 1] - deal->single[b];
+}
+
+int deal_row(const struct deal *deal, int b, int k)
+{
+    const int s = b / (SPAN_WIDTH / deal->width), first = first_block(deal, s), shares = shares_of(deal);
+    const int n_whole = whole_rows(deal, b);
+    if (k < n_whole)
+        return shares * (deal_whole_set(deal, s) + deal->whole[b] - deal->whole[first] + k) + b % shares;
+    return shares * deal_halves_set(deal, s) + deal->single[b] - deal->single[first] + k - n_whole;
 }
 
 static void number_block(const struct table *t, const struct deal *deal, int b, struct contact_list *list)
 {
     const struct column *column = &t->column[t->width * b];
-    const int lanes = lanes_of(t, b), first = deal_other_row(deal, b), end = first + t->count[b + 1] - t->count[b];
-    for (int at = t->start[b], row = first; row < end && at < t->start[b + 1]; at += t->width, row++)
+    const int lanes = lanes_of(t, b), n = deal_rows(deal, b);
+    for (int k = 0, at = t->start[b]; k < n && at < t->start[b + 1]; k++, at += t->width) {
+        const int row = deal_row(deal, b, k);
         for (int l = 0; l < lanes; l++)
             if (at + l < column[l].next)
                 list->slot[t->entry[at + l].pair] = slot_of(t, row, t->width * b + l, t->entry[at + l].other);
+    }
 }
 
 static void number_slots(const struct table *t, const struct deal *deal, struct contact_list *list)
@@ -314,7 +359,7 @@ static void number_slots(const struct table *t, const struct deal *deal, struct 
         const int k = t->over[m].pair, owner = t->over[m].other, b = owner / t->width;
         struct column *column = &t->column[owner];
         const int place = (column->next - t->start[b]) / t->width + --column->left;
-        list->slot[k] = slot_of(t, deal_other_row(deal, b) + place, owner, list->i[k] + list->j[k] - owner);
+        list->slot[k] = slot_of(t, deal_row(deal, b, place), owner, list->i[k] + list->j[k] - owner);
     }
     list->n_sets = t->span[deal->n_spans];
 }
@@ -333,13 +378,14 @@ enum status deal_pairs(struct contact_list *list, int n_particles, int width, st
     TRY(lay_out(&t, list, (size_t)t.start[t.n_blocks]));
     deal_out(&t, list);
     number_rows(&t);
-    number_spans(&t);
     *deal = (struct deal){.width = width,
                           .n_blocks = t.n_blocks,
                           .n_spans = n_spans(n_particles),
                           .chained = t.chained,
-                          .count = t.count,
+                          .whole = t.whole,
+                          .single = t.single,
                           .span = t.span};
+    number_spans(&t, deal);
     number_slots(&t, deal, list);
     return STATUS_OK;
 }

@@ -5,19 +5,28 @@
 
 #include "sim/contacts.h"
 
-/* Blocks of `width` particles, HALF_WIDTH or SET_WIDTH, and their rows of `width` slots each: block b has count[b + 1]
- * - count[b], and if `chained` one more, that of each particle's neighbour in the order. The sets of span s are span[s]
- * ... span[s + 1] - 1 (contacts.h); half a set may be nobody's. */
+/* Blocks of `width` particles, HALF_WIDTH or SET_WIDTH, and their rows of `width` slots each: block b has deal_rows of
+ * them, and if `chained` one more, that of each particle's neighbour in the order. Rows of blocks that share SET_WIDTH
+ * particles side by side are whole sets, as far as all of these blocks have them. The sets of span s are span[s] ...
+ * span[s + 1] - 1 (contacts.h); half a set may be nobody's. In the list's working memory, until it is dealt out again:
+ */
 struct deal {
     int width, n_blocks, n_spans;
     bool chained;
-    const int32_t *count; /* [n_blocks + 1] in the list's working memory, until it is dealt out again */
-    const int32_t *span;  /* [n_spans + 1] there too */
+    const int32_t *whole;  /* [n_blocks + 2] whole sets of those who share before those who block b shares with */
+    const int32_t *single; /* [n_blocks + 1] other rows before those of block b */
+    const int32_t *span;   /* [n_spans + 1] */
 };
 
-/* The row of neighbours in the order, and the first of the others, of block b: slots width row and on. */
+/* Of block b the row of neighbours in the order; how many others there are; and the k-th of them: row r has slots width
+ * r and on. */
 int deal_next_row(const struct deal *deal, int b);
-int deal_other_row(const struct deal *deal, int b);
+int deal_rows(const struct deal *deal, int b);
+int deal_row(const struct deal *deal, int b, int k);
+
+/* Of span s the first whole set, and the first that may have two halves that stand apart. */
+int deal_whole_set(const struct deal *deal, int s);
+int deal_halves_set(const struct deal *deal, int s);
 
 /* Deals the pairs of the list (i < j, of n_particles) out: list->slot and list->n_sets. The same list and search_max
  * give the same slots. Errors: STATUS_NO_MEMORY. */

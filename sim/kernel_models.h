@@ -6,6 +6,9 @@ enum {
     CLOSE_EVERY = 1024 /* slots: sums in float stay short */
 };
 
+/* Sets of pairs (contacts.h): j is the particle behind i; i are side by side; or in two halves. */
+enum pair_kind { PAIRS_NEXT, PAIRS_WHOLE, PAIRS_HALVES };
+
 #define DIM        2
 #define HYSTERETIC 0
 #define FRICTIONAL 0

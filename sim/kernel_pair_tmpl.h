@@ -93,7 +93,7 @@ LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, const st
     return to;
 }
 
-/* What a range of sets is done with. Where there is `next`, a constant: whether each j is the particle behind i. */
+/* What a range of sets is done with; `kind` of the functions below, a constant, is that of all of them. */
 struct NAME(range) {
     const struct particles *p;
     struct contact_slots slots;
@@ -105,10 +105,10 @@ struct NAME(range) {
 };
 
 /* The particles i of a set from its slot l on. */
-LANES_INLINE struct NAME(seats) NAME(seats)(const struct NAME(range) * r, bool next, size_t set, size_t l)
+LANES_INLINE struct NAME(seats) NAME(seats)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l)
 {
     const uint32_t *first = r->slots.first + 2 * set;
-    if (next || DIM == 3)
+    if (kind != PAIRS_HALVES)
         return (struct NAME(seats)){.first = first[0] + l, .together = true};
     if (DIM == 2 && LANES > HALF_WIDTH)
         return (struct NAME(seats)){.first = first[0], .second = first[1]};
@@ -117,17 +117,18 @@ LANES_INLINE struct NAME(seats) NAME(seats)(const struct NAME(range) * r, bool n
 
 /* First part of LANES pairs of a set, from its slot l on: what the law wants to know of them but for the root of the
  * distance, for which the reach is in the place of `inverse` and, single, reach^2 - d^2 in that of delta. */
-LANES_INLINE struct NAME(meeting) NAME(approach)(const struct NAME(range) * r, bool next, size_t set, size_t l)
+LANES_INLINE struct NAME(meeting)
+    NAME(approach)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l)
 {
     const struct particles *p = r->p;
     const struct contact_slots *slots = &r->slots;
     struct NAME(meeting) at;
     const size_t k = set * SET_WIDTH + l;
-    const struct NAME(seats) seats = NAME(seats)(r, next, set, l),
+    const struct NAME(seats) seats = NAME(seats)(r, kind, set, l),
                              behind = {.first = seats.first + 1, .together = true};
     at.inverse = real_load((const scalar *)slots->reach + k);
     const struct NAME(other) i = NAME(beside)(p, &seats),
-                             j = next ? NAME(beside)(p, &behind) : NAME(other)(p, slots->row + k);
+                             j = kind == PAIRS_NEXT ? NAME(beside)(p, &behind) : NAME(other)(p, slots->row + k);
 #if SINGLE
     /* d = D + q (u_i - u_j), D at the last build; reach^2 - d^2 = (reach^2 - D^2) - (d + D)(d - D), of which nothing is
      * a difference of large numbers */
@@ -228,11 +229,12 @@ LANES_INLINE void NAME(add_rows)(void *force, const uint32_t *row, const struct 
 
 /* Last part: sums of the particles j, and of i, which are side by side. If j are the particles behind i, the sums start
  * here, with the forces on i, and on j those of the lane before; `before`: result of the vector before. */
-LANES_INLINE void NAME(add_pair)(const struct NAME(range) * r, bool next, size_t set, size_t l,
+LANES_INLINE void NAME(add_pair)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l,
                                  const struct NAME(contact_result) * result, struct NAME(contact_result) * before)
 {
     const int rows = r->p->n_rows;
-    const struct NAME(seats) seats = NAME(seats)(r, next, set, l);
+    const struct NAME(seats) seats = NAME(seats)(r, kind, set, l);
+    const bool next = kind == PAIRS_NEXT;
     scalar *to = r->own;
     if (!next)
         NAME(add_rows)(r->force, r->slots.row + set * SET_WIDTH + l, result);
@@ -333,7 +335,7 @@ struct NAME(under_way) {
     size_t done_set, done_l;
 };
 
-LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, bool next, size_t set, size_t l,
+LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l,
                               struct NAME(under_way) * way, struct NAME(sums) * sums)
 {
     struct NAME(memory) memory = NAME(memory_at)(&r->slots, set * SET_WIDTH + l);
@@ -342,45 +344,45 @@ LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, bool next, size_t se
     way->next = way->near;
     NAME(root)(&way->next);
     if (set_ahead < r->last)
-        way->near = NAME(approach)(r, next, set_ahead, ahead % SET_WIDTH);
+        way->near = NAME(approach)(r, kind, set_ahead, ahead % SET_WIDTH);
     struct NAME(touch) touch = NAME(touch)(&r->law, &at, &memory, sums);
     struct NAME(contact_result) result = NAME(force)(&r->law, &touch, &memory, sums);
     if (SINGLE)
-        NAME(add_pair)(r, next, way->done_set, way->done_l, &way->done, &way->before);
+        NAME(add_pair)(r, kind, way->done_set, way->done_l, &way->done, &way->before);
     else
-        NAME(add_pair)(r, next, set, l, &result, &way->before);
+        NAME(add_pair)(r, kind, set, l, &result, &way->before);
     way->done = result;
     way->done_set = set;
     way->done_l = l;
 }
 
-LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool next, bool large, struct NAME(sums) * sums,
-                                   struct NAME(totals) * totals)
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind kind, bool large,
+                                   struct NAME(sums) * sums, struct NAME(totals) * totals)
 {
     enum { TOGETHER = CLOSE_EVERY / SET_WIDTH };
     const bool one = LANES == SET_WIDTH && r->first + 1 == r->last; /* there is no second vector */
     struct NAME(under_way) way = {.done_set = r->first};
     way.done = way.before = NAME(no_result)();
-    way.next = NAME(approach)(r, next, r->first, 0);
-    way.near = NAME(approach)(r, next, r->first + (LANES == SET_WIDTH && !one), LANES % SET_WIDTH);
+    way.next = NAME(approach)(r, kind, r->first, 0);
+    way.near = NAME(approach)(r, kind, r->first + (LANES == SET_WIDTH && !one), LANES % SET_WIDTH);
     NAME(root)(&way.next);
     for (size_t from = r->first, to; from < r->last; from = to) {
         to = from + TOGETHER < r->last ? from + TOGETHER : r->last;
         for (size_t set = from; set < to; set++) {
-            for (size_t l = 0; large && !next && l < SET_WIDTH && set + ASK_AHEAD < r->last; l += LANES)
+            for (size_t l = 0; large && kind != PAIRS_NEXT && l < SET_WIDTH && set + ASK_AHEAD < r->last; l += LANES)
                 NAME(ask)(r->p, r->force, r->slots.row + (set + ASK_AHEAD) * SET_WIDTH + l);
             for (size_t l = 0; l < SET_WIDTH; l += LANES)
-                NAME(go_on)(r, next, set, l, &way, sums);
+                NAME(go_on)(r, kind, set, l, &way, sums);
         }
         if (SINGLE)
             NAME(sums_close)(sums, totals);
     }
     if (SINGLE)
-        NAME(add_pair)(r, next, way.done_set, way.done_l, &way.done, &way.before);
+        NAME(add_pair)(r, kind, way.done_set, way.done_l, &way.done, &way.before);
 }
 #else
-LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool next, bool large, struct NAME(sums) * sums,
-                                   struct NAME(totals) * totals)
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind kind, bool large,
+                                   struct NAME(sums) * sums, struct NAME(totals) * totals)
 {
     struct NAME(chunk) chunk;
     struct NAME(contact_result) before = NAME(no_result)();
@@ -388,17 +390,18 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, bool next, bool
     for (size_t k = start; k < end; k += CHUNK * LANES) {
         const size_t second = k + CHUNK * LANES;
         const int n = NAME(chunk_size)(k, end);
-        for (size_t ahead = second; large && !next && ahead < end && ahead < second + CHUNK * LANES; ahead += LANES)
+        for (size_t ahead = second; large && kind != PAIRS_NEXT && ahead < end && ahead < second + CHUNK * LANES;
+             ahead += LANES)
             NAME(ask)(r->p, r->force, r->slots.row + ahead);
         for (int m = 0; m < n; m++) {
             const size_t at = k + (size_t)m * LANES;
-            chunk.set[m].at = NAME(approach)(r, next, at / SET_WIDTH, at % SET_WIDTH);
+            chunk.set[m].at = NAME(approach)(r, kind, at / SET_WIDTH, at % SET_WIDTH);
             NAME(root)(&chunk.set[m].at);
         }
         NAME(laws)(&chunk, &r->law, &r->slots, k, n, sums);
         for (int m = 0; m < n; m++) {
             const size_t at = k + (size_t)m * LANES;
-            NAME(add_pair)(r, next, at / SET_WIDTH, at % SET_WIDTH, &chunk.set[m].result, &before);
+            NAME(add_pair)(r, kind, at / SET_WIDTH, at % SET_WIDTH, &chunk.set[m].result, &before);
         }
         if (SINGLE && (k - start) % CLOSE_EVERY == 0)
             NAME(sums_close)(sums, totals);
@@ -414,19 +417,30 @@ static void NAME(start_sums)(const struct NAME(range) * r, const struct contact_
         memset(r->own + (size_t)c * (size_t)r->p->n_rows + (size_t)span->first, 0, count * sizeof(scalar));
 }
 
+/* Sets first ... last - 1 of one kind. */
+LANES_INLINE void NAME(go_through_sets)(struct NAME(range) * r, enum pair_kind kind, int first, int last, bool large,
+                                        struct NAME(sums) * sums, struct NAME(totals) * totals)
+{
+    r->first = (size_t)first;
+    r->last = (size_t)last;
+    if (first < last)
+        NAME(go_through)(r, kind, large, sums, totals);
+}
+
+/* Narrow vectors have no need to tell whole sets from others; in 3D all are whole. */
 LANES_INLINE void NAME(go_through_span)(struct NAME(range) * r, const struct contact_span *span, bool large,
                                         struct NAME(sums) * sums, struct NAME(totals) * totals)
 {
-    r->first = (size_t)span->next;
-    r->last = (size_t)span->other;
-    if (r->first < r->last)
-        NAME(go_through)(r, true, large, sums, totals);
-    else
+    if (span->next == span->whole)
         NAME(start_sums)(r, span);
-    r->first = (size_t)span->other;
-    r->last = (size_t)span->end;
-    if (r->first < r->last)
-        NAME(go_through)(r, false, large, sums, totals);
+    NAME(go_through_sets)(r, PAIRS_NEXT, span->next, span->whole, large, sums, totals);
+    if (DIM == 2 && LANES <= HALF_WIDTH) {
+        NAME(go_through_sets)(r, PAIRS_HALVES, span->whole, span->end, large, sums, totals);
+        return;
+    }
+    NAME(go_through_sets)(r, PAIRS_WHOLE, span->whole, span->halves, large, sums, totals);
+    if (DIM == 2)
+        NAME(go_through_sets)(r, PAIRS_HALVES, span->halves, span->end, large, sums, totals);
 }
 
 static void NAME(pair)(const struct particles *p, struct contact_list *pairs, int first, int last,

@@ -139,7 +139,7 @@ static void add_piece(struct threads *threads, int k, const struct particles *p,
     for (int s = piece->first_span; s < piece->last_span; s++) {
         const struct contact_span *span = &pairs->slots.span[s];
         add_to(&threads->part[s], k, s);
-        for (int at = span->other * SET_WIDTH; at < span->end * SET_WIDTH; at++) {
+        for (int at = span->whole * SET_WIDTH; at < span->end * SET_WIDTH; at++) {
             const uint32_t part = pairs->slots.row[at] / per_part;
             if (part < (uint32_t)threads->n_parts) /* padding may be behind all */
                 add_to(&threads->part[part], k, s);

@@ -26,6 +26,27 @@ static int owner_of(const struct contact_list *list, int k)
     return list->slot[k] % 2 ? list->j[k] : list->i[k];
 }
 
+/* Row r is one of block b, but not that of neighbours in the order. */
+static bool is_row_of(const struct deal *deal, int b, int r)
+{
+    for (int k = 0; k < deal_rows(deal, b); k++)
+        if (deal_row(deal, b, k) == r)
+            return true;
+    return false;
+}
+
+/* Rows of whole sets belong to blocks that share SET_WIDTH particles side by side, each row in its place. */
+static void check_whole(const struct deal *deal, int b, int row)
+{
+    const int shares = SET_WIDTH / deal->width, s = deal->width * b / SPAN_WIDTH, set = row / shares;
+    assert_in_range(set, deal_whole_set(deal, s), deal->span[s + 1] - 1);
+    if (set >= deal_halves_set(deal, s))
+        return;
+    assert_int_equal(row % shares, b % shares);
+    for (int h = 0; h < shares; h++)
+        assert_true(is_row_of(deal, b - b % shares + h, set * shares + h));
+}
+
 /* Deals the list out, checks the slots and returns the number of rows but those of neighbours in the order;
  * *others: pairs in them, may be NULL. */
 static int check_deal(struct contact_list *list, int n_particles, int width, int *others)
@@ -34,20 +55,17 @@ static int check_deal(struct contact_list *list, int n_particles, int width, int
     must(deal_pairs(list, n_particles, width, &deal));
     assert_int_equal(deal.n_blocks, (n_particles + width - 1) / width);
     assert_int_equal(deal.n_spans, (n_particles + SPAN_WIDTH - 1) / SPAN_WIDTH);
-    assert_int_equal(deal.count[0], 0);
     assert_int_equal(deal.span[deal.n_spans], list->n_sets);
-    const int rows = deal.count[deal.n_blocks] + (deal.chained ? deal.n_blocks : 0), most = rows + 2 * deal.n_spans;
-    assert_in_range(SET_WIDTH * list->n_sets, width * rows, width * most);
-    int n_others = 0;
+    int rows = 0, n_others = 0;
     bool *taken = calloc((size_t)list->n_sets * SET_WIDTH + 1, sizeof *taken),
          *used = calloc(2 * (size_t)list->n_sets + 1, 1);
     assert_true(taken && used);
     for (int k = 0; k < list->count; k++) {
         const int slot = (int)(list->slot[k] / 2), row = slot / width, owner = owner_of(list, k);
-        const int b = owner / width, other = deal_other_row(&deal, b), s = owner / SPAN_WIDTH;
+        const int b = owner / width, s = owner / SPAN_WIDTH;
         assert_in_range(slot / SET_WIDTH, deal.span[s], deal.span[s + 1] - 1);
         if (!deal.chained || row != deal_next_row(&deal, b)) {
-            assert_in_range(row, other, other + deal.count[b + 1] - deal.count[b] - 1);
+            assert_true(is_row_of(&deal, b, row));
             n_others++;
         } else {
             assert_true(owner == list->i[k] && list->j[k] == owner + 1);
@@ -56,14 +74,20 @@ static int check_deal(struct contact_list *list, int n_particles, int width, int
         assert_false(taken[slot]);
         taken[slot] = used[row] = true;
     }
-    for (int b = 0; b < deal.n_blocks; b++) /* none is empty but of neighbours in the order */
-        for (int n = 0; n < deal.count[b + 1] - deal.count[b]; n++)
-            assert_true(used[deal_other_row(&deal, b) + n]);
+    for (int b = 0; b < deal.n_blocks; b++) /* none is empty but of neighbours in the order, none has two blocks */
+        for (int k = 0; k < deal_rows(&deal, b); k++, rows++) {
+            const int row = deal_row(&deal, b, k);
+            check_whole(&deal, b, row);
+            assert_true(used[row]);
+            used[row] = false;
+        }
+    const int all = rows + (deal.chained ? deal.n_blocks : 0), most = all + 2 * deal.n_spans;
+    assert_in_range(SET_WIDTH * list->n_sets, width * all, width * most);
     free(taken);
     free(used);
     if (others)
         *others = n_others;
-    return deal.count[deal.n_blocks];
+    return rows;
 }
 
 /* Again, with other working memory: the same slots. */
