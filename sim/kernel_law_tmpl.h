@@ -131,12 +131,12 @@ struct NAME(contact_result) {
 /* Sums over contacts, one per lane: of u^2, of the rises and the falls of history^2; of v_t^2, q pull^2, q^2 pull^2 and
  * q pull.v_t for what the dashpot and sliding take. */
 struct NAME(sums) {
-    real normal, rise, fall, vt2, slip, slip2, power;
+    real normal, change, rise, vt2, slip, slip2, power;
 };
 
 /* What they have come to, so that sums in float stay short. */
 struct NAME(totals) {
-    struct NAME(doubles) normal, rise, fall, vt2, slip, slip2, power;
+    struct NAME(doubles) normal, change, rise, vt2, slip, slip2, power;
 };
 
 LANES_INLINE real NAME(inner)(const real *a, const real *b)
@@ -318,8 +318,8 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
     real history = real_load(memory->history);
     real after = real_larger(delta, real_smaller(history, real_all(law->branch_ratio) * delta));
     real change = after - history, both = after + history;
+    sums->change = real_fma(change, both, sums->change);
     sums->rise = real_fma(real_larger(change, zero), both, sums->rise);
-    sums->fall = real_fma(real_smaller(change, zero), both, sums->fall);
     real_store(memory->history, after);
     elastic = real_fma(real_all(-law->k2_minus_k1), after, elastic);
 #else
@@ -363,8 +363,8 @@ LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals)
 {
     NAME(close)(&sums->normal, &totals->normal);
 #if HYSTERETIC
+    NAME(close)(&sums->change, &totals->change);
     NAME(close)(&sums->rise, &totals->rise);
-    NAME(close)(&sums->fall, &totals->fall);
 #endif
 #if FRICTIONAL
     NAME(close)(&sums->vt2, &totals->vt2);
@@ -380,8 +380,8 @@ LANES_INLINE void NAME(totals_add)(const struct NAME(totals) * totals, const str
 {
     losses->viscous_normal += law->gamma_n * law->dt * NAME(doubles_sum)(totals->normal);
 #if HYSTERETIC
-    losses->hysteresis +=
-        law->loading_loss * NAME(doubles_sum)(totals->rise) - law->adhesion_loss * NAME(doubles_sum)(totals->fall);
+    const double rise = NAME(doubles_sum)(totals->rise), fall = rise - NAME(doubles_sum)(totals->change);
+    losses->hysteresis += law->loading_loss * rise + law->adhesion_loss * fall;
 #endif
 #if FRICTIONAL
     const double power = NAME(doubles_sum)(totals->power);
