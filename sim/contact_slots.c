@@ -142,9 +142,9 @@ static enum status spans_reserve(struct contact_slots *slots, int n)
 /* Particles and sets of span s. */
 static struct contact_span span_of(const struct deal *deal, int s, int n_particles)
 {
-    const int first = s * SPAN_WIDTH, rest = (n_particles - first + SET_WIDTH - 1) / SET_WIDTH * SET_WIDTH;
+    const int first = s * deal->span_width, rest = (n_particles - first + SET_WIDTH - 1) / SET_WIDTH * SET_WIDTH;
     return (struct contact_span){.first = first,
-                                 .last = first + (rest < SPAN_WIDTH ? rest : SPAN_WIDTH),
+                                 .last = first + (rest < deal->span_width ? rest : deal->span_width),
                                  .next = deal->span[s],
                                  .whole = deal_whole_set(deal, s),
                                  .halves = deal_halves_set(deal, s),
@@ -162,7 +162,7 @@ static void fill_first(struct contact_slots *slots, const struct deal *deal)
 {
     for (int s = 0; s < deal->n_spans; s++) /* also of what is nobody's */
         for (int half = 2 * deal->span[s]; half < 2 * deal->span[s + 1]; half++)
-            slots->first[half] = (uint32_t)s * SPAN_WIDTH;
+            slots->first[half] = (uint32_t)(s * deal->span_width);
     for (int b = 0; b < deal->n_blocks; b++) {
         if (deal->chained)
             fill_row(slots, deal, b, deal_next_row(deal, b));
@@ -172,11 +172,14 @@ static void fill_first(struct contact_slots *slots, const struct deal *deal)
 }
 
 /* Blocks of half a set are filled better; in 3D that does not pay for what two halves cost the kernels (2D, AVX2: 4 %
- * of a step gained; 3D, AVX-512: 3 % lost). */
+ * of a step gained; 3D, AVX-512: 3 % lost). So do wide spans, in small samples (2D 2 % of the pairs gained, 3D 2 %
+ * lost). */
 static enum status assign_pairs(struct contact_list *list, const struct particles *p)
 {
     struct deal deal;
-    TRY(deal_pairs(list, p->count, p->dimension == 2 ? HALF_WIDTH : SET_WIDTH, &deal));
+    const int width = p->dimension == 2 ? HALF_WIDTH : SET_WIDTH,
+              span_width = p->dimension == 2 && p->count < PARTICLES_LARGE_SAMPLE ? WIDE_SPAN : SPAN_WIDTH;
+    TRY(deal_pairs(list, p->count, width, span_width, &deal));
     TRY(slots_reserve(list, p->dimension));
     TRY(spans_reserve(&list->slots, deal.n_spans));
     list->slots.n_spans = deal.n_spans;

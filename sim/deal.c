@@ -28,7 +28,7 @@ enum { SPARE_ROWS = 2, VISITS_MAX = 256 };
 
 struct table {
     int n_particles, n_blocks;
-    int width, span_blocks; /* particles of a block, blocks of a span */
+    int width, span_width; /* particles of a block, of a span */
     bool chained;
     int32_t *next; /* [n_particles] the pair with the particle behind it; -1: none */
     int32_t *pair; /* [n_pairs] the other pairs, which are dealt out */
@@ -44,9 +44,9 @@ struct table {
     struct visit visit[VISITS_MAX];
 };
 
-static int n_spans(int n_particles)
+static int n_spans(const struct table *t)
 {
-    return (n_particles + SPAN_WIDTH - 1) / SPAN_WIDTH;
+    return (t->n_particles + t->span_width - 1) / t->span_width;
 }
 
 /* Working memory of the list, first without, then with the table's `places`; what stands before them is kept. */
@@ -56,7 +56,7 @@ static enum status lay_out(struct table *t, struct contact_list *list, size_t pl
     const size_t blocks = (size_t)t->n_blocks, even = blocks + blocks % 2;
     const size_t own = (size_t)t->n_particles + (size_t)t->n_particles % 2;
     const size_t pairs = (size_t)list->count + (size_t)list->count % 2;
-    const size_t spans = 2 * (size_t)(n_spans(t->n_particles) / 2 + 1);
+    const size_t spans = 2 * (size_t)(n_spans(t) / 2 + 1);
     const size_t before = column + 4 * even + 6 + spans + own + 3 * pairs, size = before + 2 * places;
     TRY(contact_list_work(list, size, places ? before : 0));
     t->column = (struct column *)list->scratch;
@@ -81,7 +81,7 @@ static void find_next(struct table *t, const struct contact_list *list)
     int n = 0;
     memset(t->next, -1, (size_t)t->n_particles * sizeof *t->next);
     for (int k = 0; k < list->count; k++) {
-        const int32_t is_next = (j[k] == i[k] + 1) & (j[k] % SPAN_WIDTH != 0);
+        const int32_t is_next = (j[k] == i[k] + 1) & (j[k] % t->span_width != 0);
         t->next[i[k]] = is_next ? k : t->next[i[k]];
     }
     for (int q = 0; q < t->n_particles; q++)
@@ -278,7 +278,7 @@ static int shares_of(const struct deal *deal)
 /* The first block of span s, or what would be the next one behind the last block. */
 static int first_block(const struct deal *deal, int s)
 {
-    const int blocks = SPAN_WIDTH / deal->width, shares = shares_of(deal),
+    const int blocks = deal->span_width / deal->width, shares = shares_of(deal),
               end = (deal->n_blocks + shares - 1) / shares * shares;
     return s * blocks < end ? s * blocks : end;
 }
@@ -311,7 +311,7 @@ static void number_spans(struct table *t, const struct deal *deal)
 
 int deal_next_row(const struct deal *deal, int b)
 {
-    const int blocks = SPAN_WIDTH / deal->width;
+    const int blocks = deal->span_width / deal->width;
     return shares_of(deal) * deal->span[b / blocks] + b % blocks;
 }
 
@@ -329,7 +329,7 @@ int deal_rows(const struct deal *deal, int b)
 
 int deal_row(const struct deal *deal, int b, int k)
 {
-    const int s = b / (SPAN_WIDTH / deal->width), first = first_block(deal, s), shares = shares_of(deal);
+    const int s = b / (deal->span_width / deal->width), first = first_block(deal, s), shares = shares_of(deal);
     const int n_whole = whole_rows(deal, b);
     if (k < n_whole)
         return shares * (deal_whole_set(deal, s) + deal->whole[b] - deal->whole[first] + k) + b % shares;
@@ -364,12 +364,12 @@ static void number_slots(const struct table *t, const struct deal *deal, struct 
     list->n_sets = t->span[deal->n_spans];
 }
 
-enum status deal_pairs(struct contact_list *list, int n_particles, int width, struct deal *deal)
+enum status deal_pairs(struct contact_list *list, int n_particles, int width, int span_width, struct deal *deal)
 {
     struct table t = {.n_particles = n_particles,
                       .n_blocks = (n_particles + width - 1) / width,
                       .width = width,
-                      .span_blocks = SPAN_WIDTH / width};
+                      .span_width = span_width};
     t.visits_max = list->search_max > 0 && list->search_max < VISITS_MAX ? list->search_max : VISITS_MAX;
     TRY(lay_out(&t, list, 0));
     find_next(&t, list);
@@ -379,8 +379,9 @@ enum status deal_pairs(struct contact_list *list, int n_particles, int width, st
     deal_out(&t, list);
     number_rows(&t);
     *deal = (struct deal){.width = width,
+                          .span_width = span_width,
                           .n_blocks = t.n_blocks,
-                          .n_spans = n_spans(n_particles),
+                          .n_spans = n_spans(&t),
                           .chained = t.chained,
                           .whole = t.whole,
                           .single = t.single,

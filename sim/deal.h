@@ -11,7 +11,7 @@
  * span[s + 1] - 1 (contacts.h); half a set may be nobody's. In the list's working memory, until it is dealt out again:
  */
 struct deal {
-    int width, n_blocks, n_spans;
+    int width, span_width, n_blocks, n_spans;
     bool chained;
     const int32_t *whole;  /* [n_blocks + 2] whole sets of those who share before those who block b shares with */
     const int32_t *single; /* [n_blocks + 1] other rows before those of block b */
@@ -28,8 +28,9 @@ int deal_row(const struct deal *deal, int b, int k);
 int deal_whole_set(const struct deal *deal, int s);
 int deal_halves_set(const struct deal *deal, int s);
 
-/* Deals the pairs of the list (i < j, of n_particles) out: list->slot and list->n_sets. The same list and search_max
- * give the same slots. Errors: STATUS_NO_MEMORY. */
-enum status deal_pairs(struct contact_list *list, int n_particles, int width, struct deal *deal) MUST_USE;
+/* Deals the pairs of the list (i < j, of n_particles) out, in spans of span_width particles: list->slot and
+ * list->n_sets. The same list and search_max give the same slots. Errors: STATUS_NO_MEMORY. */
+enum status deal_pairs(struct contact_list *list, int n_particles, int width, int span_width,
+                       struct deal *deal) MUST_USE;
 
 #endif

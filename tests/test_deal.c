@@ -52,7 +52,7 @@ static void check_whole(const struct deal *deal, int b, int row)
 static int check_deal(struct contact_list *list, int n_particles, int width, int *others)
 {
     struct deal deal;
-    must(deal_pairs(list, n_particles, width, &deal));
+    must(deal_pairs(list, n_particles, width, SPAN_WIDTH, &deal));
     assert_int_equal(deal.n_blocks, (n_particles + width - 1) / width);
     assert_int_equal(deal.n_spans, (n_particles + SPAN_WIDTH - 1) / SPAN_WIDTH);
     assert_int_equal(deal.span[deal.n_spans], list->n_sets);
@@ -99,7 +99,7 @@ static void check_repeats(const struct contact_list *list, int n_particles, int 
         add(&again, list->i[k], list->j[k]);
     again.search_max = list->search_max;
     for (int round = 0; round < 2; round++) {
-        must(deal_pairs(&again, n_particles, width, &deal));
+        must(deal_pairs(&again, n_particles, width, SPAN_WIDTH, &deal));
         assert_memory_equal(again.slot, list->slot, (size_t)list->count * sizeof *list->slot);
     }
     contact_list_free(&again);
