@@ -8,13 +8,13 @@
 struct column {
     int32_t next; /* the next free place in the table, t->width behind the last one */
     int32_t room; /* free places */
-    int32_t left; /* pairs of the particle that are still to be dealt out */
+    int32_t left; /* pairs of the particle that are still to be dealt out; in the end those beyond the table */
     int32_t seen; /* by which search */
 };
 
 /* What a place holds. */
 struct entry {
-    int32_t pair, other; /* member of the list, and which of its particles this column is not */
+    int32_t pair, other; /* member of the list, and which of its particles this column is not; -1: empty */
 };
 
 /* A column that a search has come to. */
@@ -236,16 +236,103 @@ static uint32_t slot_of(const struct table *t, int row, int owner, int other)
     return 2 * (uint32_t)(row * t->width + owner % t->width) + (owner > other);
 }
 
-/* Rows of a block: as many as its longest column needs. */
-static int rows_of(const struct table *t, int b)
+/* Rows of a block in the table: as many as its longest column needs. */
+static int rows_filled(const struct table *t, int b)
 {
     int most = 0;
     for (int l = 0; l < lanes_of(t, b); l++) {
-        const struct column *column = &t->column[t->width * b + l];
-        int length = (column->next - t->start[b]) / t->width + column->left;
+        const int length = (t->column[t->width * b + l].next - t->start[b]) / t->width;
         most = length > most ? length : most;
     }
     return most;
+}
+
+/* The place half a row apart. In rows of HALF_WIDTH kernels add to the sums of both partners at once, so these must not
+ * be the same one. */
+static int twin_of(const struct table *t, int place)
+{
+    return place ^ (t->width / 2);
+}
+
+static bool fits(const struct table *t, int particle, int place)
+{
+    return particle < 0 || particle != t->entry[twin_of(t, place)].other;
+}
+
+/* The entry and another one of its column change places, if both fit there. */
+static bool change_places(struct table *t, int b, int place)
+{
+    const struct entry here = t->entry[place];
+    for (int k = 0; k < t->planned[b]; k++) {
+        const int to = t->start[b] + t->width * k + place % t->width;
+        const struct entry there = t->entry[to];
+        if (to == place || !fits(t, here.other, to) || !fits(t, there.other, place))
+            continue;
+        t->entry[place] = there;
+        t->entry[to] = here;
+        return true;
+    }
+    return false;
+}
+
+/* The entry goes to an empty place of a particle's column, in rows from `first` to end - 1, as the pair of `owner` with
+ * `other`. */
+static bool move(struct table *t, int place, int owner, int other, int first, int end)
+{
+    const int b = owner / t->width;
+    for (int k = first; k < end; k++) {
+        const int to = t->start[b] + t->width * k + owner % t->width;
+        if (to >= t->start[b + 1] || t->entry[to].pair >= 0 || !fits(t, other, to))
+            continue;
+        t->entry[to] = (struct entry){t->entry[place].pair, other};
+        t->entry[place] = (struct entry){-1, -1};
+        return true;
+    }
+    return false;
+}
+
+/* The same partner in a row twice: one of the two changes places, goes to the partner, or to a row of its own. */
+static void part(struct table *t, int b, int place)
+{
+    const int places[] = {place, twin_of(t, place)}, other = t->entry[place].other;
+    for (int n = 0; n < 2; n++)
+        if (change_places(t, b, places[n]) ||
+            move(t, places[n], other, t->width * b + places[n] % t->width, 0, t->planned[other / t->width]))
+            return;
+    const int owner = t->width * b + place % t->width;
+    if (move(t, place, owner, other, t->planned[b], t->planned[b] + 1)) {
+        t->planned[b]++;
+        return;
+    }
+    t->over[t->n_over++] = (struct entry){t->entry[place].pair, owner};
+    t->entry[place] = (struct entry){-1, -1};
+}
+
+/* What is dealt out gets its rows, of which columns know nothing from here on. */
+static void settle(struct table *t)
+{
+    const int half = t->width / 2;
+    for (int b = 0; b < t->n_blocks; b++)
+        t->planned[b] = rows_filled(t, b);
+    for (int b = 0; b < t->n_blocks && t->width == HALF_WIDTH; b++)
+        for (int k = 0; k < t->planned[b]; k++)
+            for (int place = t->start[b] + t->width * k, end = place + half; place < end; place++)
+                if (t->entry[place].other >= 0 && !fits(t, t->entry[place].other, place))
+                    part(t, b, place);
+}
+
+/* Rows of a block: those in the table, and behind them such for what is beyond it, where no two places half a row apart
+ * are taken. `room` is then the first of a column. */
+static int number_beyond(struct table *t, int b)
+{
+    const int half = t->width / 2, lanes = lanes_of(t, b);
+    int rows = t->planned[b];
+    for (int l = 0; l < lanes; l++) {
+        struct column *column = &t->column[t->width * b + l];
+        column->room = t->planned[b] + (t->width == HALF_WIDTH && l >= half ? column[-half].left : 0);
+        rows = column->room + column->left > rows ? column->room + column->left : rows;
+    }
+    return rows;
 }
 
 /* The rows that the blocks of SET_WIDTH particles side by side all have are whole sets, the others are not. */
@@ -257,7 +344,7 @@ static void number_rows(struct table *t)
     for (int m = 0; m < t->n_over; m++)
         t->column[t->over[m].other].left++;
     for (int b = 0; b < t->n_blocks; b++)
-        t->planned[b] = rows_of(t, b);
+        t->planned[b] = number_beyond(t, b);
     t->whole[0] = t->single[0] = 0;
     for (int b = 0; b < t->n_blocks; b += shares) {
         const int last = b + shares - 1, of_last = last < t->n_blocks ? t->planned[last] : 0;
@@ -338,12 +425,11 @@ int deal_row(const struct deal *deal, int b, int k)
 
 static void number_block(const struct table *t, const struct deal *deal, int b, struct contact_list *list)
 {
-    const struct column *column = &t->column[t->width * b];
     const int lanes = lanes_of(t, b), n = deal_rows(deal, b);
     for (int k = 0, at = t->start[b]; k < n && at < t->start[b + 1]; k++, at += t->width) {
         const int row = deal_row(deal, b, k);
         for (int l = 0; l < lanes; l++)
-            if (at + l < column[l].next)
+            if (t->entry[at + l].pair >= 0)
                 list->slot[t->entry[at + l].pair] = slot_of(t, row, t->width * b + l, t->entry[at + l].other);
     }
 }
@@ -358,7 +444,7 @@ static void number_slots(const struct table *t, const struct deal *deal, struct 
     for (int m = 0; m < t->n_over; m++) {
         const int k = t->over[m].pair, owner = t->over[m].other, b = owner / t->width;
         struct column *column = &t->column[owner];
-        const int place = (column->next - t->start[b]) / t->width + --column->left;
+        const int place = column->room + --column->left;
         list->slot[k] = slot_of(t, deal_row(deal, b, place), owner, list->i[k] + list->j[k] - owner);
     }
     list->n_sets = t->span[deal->n_spans];
@@ -376,7 +462,9 @@ enum status deal_pairs(struct contact_list *list, int n_particles, int width, in
     count_pairs(&t, list);
     plan(&t);
     TRY(lay_out(&t, list, (size_t)t.start[t.n_blocks]));
+    memset(t.entry, -1, (size_t)t.start[t.n_blocks] * sizeof *t.entry);
     deal_out(&t, list);
+    settle(&t);
     number_rows(&t);
     *deal = (struct deal){.width = width,
                           .span_width = span_width,

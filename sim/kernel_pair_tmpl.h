@@ -335,16 +335,24 @@ struct NAME(under_way) {
     size_t done_set, done_l;
 };
 
-LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l,
+/* Slots in the order in which their rows are added up, which wider vectors do two at once (lanes_reference.h). */
+LANES_INLINE size_t NAME(in_turn)(enum pair_kind kind, size_t l)
+{
+    if (LANES > 1 || !SINGLE || kind == PAIRS_NEXT)
+        return l;
+    return l / HALF_WIDTH * HALF_WIDTH + l % HALF_WIDTH / 2 + l % 2 * (HALF_WIDTH / 2);
+}
+
+LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t turn,
                               struct NAME(under_way) * way, struct NAME(sums) * sums)
 {
+    const size_t l = NAME(in_turn)(kind, turn), ahead = turn + 2 * LANES, set_ahead = set + ahead / SET_WIDTH;
     struct NAME(memory) memory = NAME(memory_at)(&r->slots, set * SET_WIDTH + l);
     struct NAME(meeting) at = way->next;
-    const size_t ahead = l + 2 * LANES, set_ahead = set + ahead / SET_WIDTH;
     way->next = way->near;
     NAME(root)(&way->next);
     if (set_ahead < r->last)
-        way->near = NAME(approach)(r, kind, set_ahead, ahead % SET_WIDTH);
+        way->near = NAME(approach)(r, kind, set_ahead, NAME(in_turn)(kind, ahead % SET_WIDTH));
     struct NAME(touch) touch = NAME(touch)(&r->law, &at, &memory, sums);
     struct NAME(contact_result) result = NAME(force)(&r->law, &touch, &memory, sums);
     if (SINGLE)
@@ -364,7 +372,7 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind 
     struct NAME(under_way) way = {.done_set = r->first};
     way.done = way.before = NAME(no_result)();
     way.next = NAME(approach)(r, kind, r->first, 0);
-    way.near = NAME(approach)(r, kind, r->first + (LANES == SET_WIDTH && !one), LANES % SET_WIDTH);
+    way.near = NAME(approach)(r, kind, r->first + (LANES == SET_WIDTH && !one), NAME(in_turn)(kind, LANES % SET_WIDTH));
     NAME(root)(&way.next);
     for (size_t from = r->first, to; from < r->last; from = to) {
         to = from + TOGETHER < r->last ? from + TOGETHER : r->last;

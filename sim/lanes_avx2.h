@@ -313,19 +313,21 @@ LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
         _mm256_storeu_pd(to, _mm256_loadu_pd(to) + rows[r]);
     }
 }
-LANES_INLINE void lanes_add_row2(void *base, uint32_t row, int unit, __m128 add)
+/* Two rows, which are not the same one. */
+LANES_INLINE void lanes_add_two_rows(void *base, const uint32_t *row, int unit, __m128 two)
 {
-    float *to = lanes_sums(base, row, unit);
-    _mm_storeu_si64(to, _mm_castps_si128(_mm_castsi128_ps(_mm_loadu_si64(to)) + add));
+    float *to = lanes_sums(base, row[0], unit), *and_to = lanes_sums(base, row[4], unit);
+    const __m128 sum = _mm_loadh_pi(_mm_castsi128_ps(_mm_loadu_si64(to)), (const __m64 *)and_to) + two;
+    _mm_storel_pi((__m64 *)to, sum);
+    _mm_storeh_pi((__m64 *)and_to, sum);
 }
-/* Of the sums only the lower halves are kept. */
 LANES_INLINE void f32_add2(void *base, const uint32_t *row, int unit, const f32 *column)
 {
     const f32 pairs[2] = {_mm256_unpacklo_ps(column[0], column[1]), _mm256_unpackhi_ps(column[0], column[1])};
-    for (int q = 0; q < 4; q++) { /* rows 2q and 2q + 1 */
-        __m128 two = q < 2 ? _mm256_castps256_ps128(pairs[q]) : _mm256_extractf128_ps(pairs[q - 2], 1);
-        lanes_add_row2(base, row[2 * q], unit, two);
-        lanes_add_row2(base, row[2 * q + 1], unit, _mm_movehl_ps(two, two));
+    for (int q = 0; q < 2; q++) { /* rows 2q, 2q + 4 | 2q + 1, 2q + 5 */
+        const __m256d crossed = _mm256_permute4x64_pd(_mm256_castps_pd(pairs[q]), 0xd8);
+        lanes_add_two_rows(base, row + 2 * q, unit, _mm_castpd_ps(_mm256_castpd256_pd128(crossed)));
+        lanes_add_two_rows(base, row + 2 * q + 1, unit, _mm_castpd_ps(_mm256_extractf128_pd(crossed, 1)));
     }
 }
 LANES_INLINE void f32_add4(void *base, const uint32_t *row, int unit, const f32 *column)

@@ -393,28 +393,28 @@ LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
         _mm256_storeu_pd(to, _mm256_loadu_pd(to) + _mm256_load_pd(&buffer[(r & 1) + (r & 4) / 2][2 * (r & 2)]));
     }
 }
-/* Of the sum only the lower half is kept. */
-LANES_INLINE void lanes_add_row2_single(void *base, uint32_t row, int unit, __m128 x)
-{
-    float *to = lanes_sums(base, row, unit);
-    _mm_storel_pi((__m64 *)to, _mm_castsi128_ps(_mm_loadu_si64(to)) + x);
-}
+/* Two rows, which are not the same one. */
 LANES_INLINE void lanes_add_two_rows(void *base, const uint32_t *row, int unit, __m128 two)
 {
-    lanes_add_row2_single(base, row[0], unit, two);
-    lanes_add_row2_single(base, row[1], unit, _mm_movehl_ps(two, two));
+    float *to = lanes_sums(base, row[0], unit), *and_to = lanes_sums(base, row[4], unit);
+    const __m128 sum = _mm_loadh_pi(_mm_castsi128_ps(_mm_loadu_si64(to)), (const __m64 *)and_to) + two;
+    _mm_storel_pi((__m64 *)to, sum);
+    _mm_storeh_pi((__m64 *)and_to, sum);
 }
 LANES_INLINE void f32_add2(void *base, const uint32_t *row, int unit, const f32 *column)
 {
-    const f32 low = _mm512_unpacklo_ps(column[0], column[1]), high = _mm512_unpackhi_ps(column[0], column[1]);
-#define QUARTER(q)                                                                                                     \
-    lanes_add_two_rows(base, row + 4 * (q), unit, _mm512_extractf32x4_ps(low, q));                                     \
-    lanes_add_two_rows(base, row + 4 * (q) + 2, unit, _mm512_extractf32x4_ps(high, q))
-    QUARTER(0);
-    QUARTER(1);
-    QUARTER(2);
-    QUARTER(3);
-#undef QUARTER
+    const __m512i of_first = _mm512_setr_epi32(0, 16, 4, 20, 1, 17, 5, 21, 2, 18, 6, 22, 3, 19, 7, 23);
+    const __m512i of_second = _mm512_add_epi32(of_first, _mm512_set1_epi32(8));
+    const f32 first = _mm512_permutex2var_ps(column[0], of_first, column[1]),
+              second = _mm512_permutex2var_ps(column[0], of_second, column[1]);
+    lanes_add_two_rows(base, row, unit, _mm512_castps512_ps128(first));
+    lanes_add_two_rows(base, row + 1, unit, _mm512_extractf32x4_ps(first, 1));
+    lanes_add_two_rows(base, row + 2, unit, _mm512_extractf32x4_ps(first, 2));
+    lanes_add_two_rows(base, row + 3, unit, _mm512_extractf32x4_ps(first, 3));
+    lanes_add_two_rows(base, row + 8, unit, _mm512_castps512_ps128(second));
+    lanes_add_two_rows(base, row + 9, unit, _mm512_extractf32x4_ps(second, 1));
+    lanes_add_two_rows(base, row + 10, unit, _mm512_extractf32x4_ps(second, 2));
+    lanes_add_two_rows(base, row + 11, unit, _mm512_extractf32x4_ps(second, 3));
 }
 LANES_INLINE void f32_add4(void *base, const uint32_t *row, int unit, const f32 *column)
 {

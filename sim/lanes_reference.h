@@ -249,7 +249,8 @@ LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)
     return (char *)base + (size_t)unit * row;
 }
 /* Adds columns to the sums that belong to records, in the order of the lanes: rows of 2 and 4 doubles, 2, 4 and 8
- * floats. */
+ * floats. But for rows of 2 floats those of lanes l and l + 4 of 8 are not the same and added at once, so that the
+ * order is 0 4 1 5 2 6 3 7. */
 LANES_INLINE void f64_add2(void *base, const uint32_t *row, const f64 *column)
 {
     double *to = lanes_sums(base, row[0], 4);

@@ -47,6 +47,21 @@ static void check_whole(const struct deal *deal, int b, int row)
         assert_true(is_row_of(deal, b - b % shares + h, set * shares + h));
 }
 
+/* Places half a row apart have not the same partner, for kernels add to the sums of both at once. */
+static void check_apart(const struct contact_list *list)
+{
+    const size_t slots = (size_t)list->n_sets * SET_WIDTH;
+    int *partner = malloc((slots + 1) * sizeof *partner);
+    assert_true(partner);
+    for (size_t s = 0; s < slots; s++)
+        partner[s] = -1;
+    for (int k = 0; k < list->count; k++)
+        partner[list->slot[k] / 2] = list->i[k] + list->j[k] - owner_of(list, k);
+    for (size_t s = 0; s < slots; s++)
+        assert_true(partner[s] < 0 || partner[s] != partner[s ^ (HALF_WIDTH / 2)]);
+    free(partner);
+}
+
 /* Deals the list out, checks the slots and returns the number of rows but those of neighbours in the order;
  * *others: pairs in them, may be NULL. */
 static int check_deal(struct contact_list *list, int n_particles, int width, int *others)
@@ -85,6 +100,8 @@ static int check_deal(struct contact_list *list, int n_particles, int width, int
     assert_in_range(SET_WIDTH * list->n_sets, width * all, width * most);
     free(taken);
     free(used);
+    if (width == HALF_WIDTH)
+        check_apart(list);
     if (others)
         *others = n_others;
     return rows;
@@ -195,6 +212,8 @@ static void crowded_blocks_get_their_sets(void **state)
     assert_int_equal(others, crowd.count - (CROWD - 1)); /* each has the next one as a partner */
     assert_true(others > 0.8 * rows * SET_WIDTH);
     check_repeats(&crowd, CROWD, SET_WIDTH);
+    check_deal(&star, STAR + 1, HALF_WIDTH, NULL);
+    check_deal(&crowd, CROWD, HALF_WIDTH, NULL);
     contact_list_free(&star);
     contact_list_free(&crowd);
 }
