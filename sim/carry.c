@@ -28,6 +28,15 @@ static void carry(struct contact_list *to, void *array, const struct contact_lis
         search->carry_doubles(array, known, to->scratch, slots, turns);
 }
 
+/* Histories of a list with another unit; they are powers of 2, so that nothing is rounded. */
+static void convert(struct contact_list *list, double from_unit)
+{
+    const size_t slots = (size_t)list->n_sets * SET_WIDTH;
+    const float factor = (float)(from_unit / list->slots.unit);
+    for (size_t s = 0; s < slots && factor != 1; s++) /* double has but one */
+        ((float *)list->slots.history)[s] *= factor;
+}
+
 enum status carry_close(struct contact_list *list, const struct particles *particles, const struct wall *wall,
                         struct contact_list *before, const int32_t *source, const struct search *search)
 {
@@ -40,8 +49,10 @@ enum status carry_close(struct contact_list *list, const struct particles *parti
     TRY(find_sources(list, before, source));
     struct contact_slots *to = &list->slots;
     const struct contact_slots *from = &before->slots;
-    if (list->hysteretic)
+    if (list->hysteretic) {
         carry(list, to->history, before, from->history, false, search);
+        convert(list, before->count ? from->unit : to->unit);
+    }
     if (list->n_springs)
         carry(list, to->sliding, before, from->sliding, false, search);
     for (int c = 0; c < list->n_springs; c++) {

@@ -400,6 +400,7 @@ static enum status get_items(hid_t file, struct world *world, struct run_progres
     TRY(status);
     TRY(renumber_set_slots(&world->particles));
     TRY(lists_check(world));
+    particles_set_views(&world->particles, world->neighbor.skin); /* slots are in their quanta */
     return world_close_lists(world);
 }
 
@@ -433,7 +434,6 @@ static enum status content_fill(struct content *content, hid_t file, const char 
     const struct neighbor before = content->world->neighbor;
     TRY(world_init_lists(content->world)); /* needs the radii */
     content->world->neighbor.skin = before.skin;
-    particles_set_views(&content->world->particles, before.skin);
     content->world->neighbor.rebuilds = before.rebuilds;
     content->world->neighbor.built_step = before.built_step;
     return STATUS_OK;

@@ -53,8 +53,8 @@ static double sign_of(const struct contact_list *list, int k)
     return list->n_springs == 3 && list->slot[k] % 2 ? -1 : 1;
 }
 
-/* The padding particle is nowhere near: single by `built` and `gap`, double by its place, but walls know no distance to
- * it: `nothing` is its reach. */
+/* The padding particle is nowhere near: single by `built` and `gap`, which are more units than anything moves and still
+ * have a square, double by its place, but walls know no distance to it: `nothing` is its reach. */
 static void empty_slots(struct contact_list *list, int dimension, uint32_t padding_row, double nothing)
 {
     const size_t size = (size_t)list->n_sets * SET_WIDTH, real = list->single ? sizeof(float) : sizeof(double);
@@ -62,8 +62,8 @@ static void empty_slots(struct contact_list *list, int dimension, uint32_t paddi
     for (size_t s = 0; s < size; s++) {
         slots->row[s] = padding_row;
         if (list->single) {
-            slots->gap[s] = -1;
-            slots->built[0][s] = 1;
+            slots->gap[s] = -0x1p80F;
+            slots->built[0][s] = 0x1p40F;
         }
     }
     for (int c = 1; list->single && c < dimension; c++)
@@ -78,16 +78,16 @@ static void fill_built(struct contact_list *list, size_t s, double reach, const 
 {
     struct contact_slots *slots = &list->slots;
     if (wall) {
-        slots->gap[s] = (float)(reach - wall->inward * (p->x_list[wall->axis][i] - wall->x_list));
+        slots->gap[s] = (float)((reach - wall->inward * (p->x_list[wall->axis][i] - wall->x_list)) / slots->unit);
         return;
     }
     double gap = reach * reach;
     for (int c = 0; c < p->dimension; c++) {
         double d = p->x_list[c][i] - p->x_list[c][j];
-        slots->built[c][s] = (float)d;
+        slots->built[c][s] = (float)(d / slots->unit);
         gap -= d * d;
     }
-    slots->gap[s] = (float)gap;
+    slots->gap[s] = (float)(gap / (slots->unit * slots->unit));
 }
 
 static void fill_slots(struct contact_list *list, const struct particles *p, const struct wall *wall, uint32_t stride)
@@ -101,7 +101,7 @@ static void fill_slots(struct contact_list *list, const struct particles *p, con
         slots->row[s] = stride * (uint32_t)j;
         if (list->single)
             fill_built(list, s, list->reach[k], p, i, j, wall);
-        put(list, slots->reach, s, list->reach[k]);
+        put(list, slots->reach, s, wall ? list->reach[k] : list->reach[k] / slots->unit);
     }
 }
 
@@ -120,7 +120,7 @@ static void fill_history(struct contact_list *list)
     for (int k = 0; k < list->count; k++) {
         const size_t s = list->slot[k] / 2;
         if (list->hysteretic)
-            put(list, slots->history, s, list->history[k]);
+            put(list, slots->history, s, list->history[k] / slots->unit);
         if (list->n_springs)
             put(list, slots->sliding, s, list->sliding[k]);
         for (int c = 0; c < list->n_springs; c++) {
@@ -203,6 +203,7 @@ enum status contact_list_place(struct contact_list *list, const struct particles
     if (list->count > INT32_MAX / (4 * SET_WIDTH))
         return status_fail(STATUS_LIMIT, "%d candidates for contact are too many", list->count);
     list->closed = true;
+    list->slots.unit = list->single ? particles->quantum : 1;
     TRY(wall ? assign_wall(list, particles->dimension) : assign_pairs(list, particles));
     if (list->count == 0)
         return STATUS_OK;
@@ -222,7 +223,8 @@ enum status contact_list_close(struct contact_list *list, const struct particles
 
 double contact_list_history(const struct contact_list *list, int k)
 {
-    return list->closed ? get(list, list->slots.history, list->slot[k] / 2) : list->history[k];
+    const struct contact_slots *slots = &list->slots;
+    return list->closed ? slots->unit * get(list, slots->history, list->slot[k] / 2) : list->history[k];
 }
 
 double contact_list_spring(const struct contact_list *list, int c, int k)
@@ -244,7 +246,7 @@ void contact_list_read(struct contact_list *list)
     for (int k = 0; list->closed && k < list->count; k++) {
         const size_t s = list->slot[k] / 2;
         if (list->hysteretic)
-            list->history[k] = get(list, slots->history, s);
+            list->history[k] = slots->unit * get(list, slots->history, s);
         if (list->n_springs)
             list->sliding[k] = get(list, slots->sliding, s);
         for (int c = 0; c < list->n_springs; c++) {

@@ -49,12 +49,13 @@ struct contact_slots {
     struct contact_span *span; /* [n_spans] pairs */
     int n_spans, span_capacity;
     int capacity;    /* in sets */
+    double unit;     /* of lengths as told [m]: single: the quantum (particles.h), a power of 2; else 1 */
     uint32_t *first; /* [2 n_sets] pairs: the first of the particles i of each half */
     uint32_t *row;   /* [slots] where the record of j starts [doubles]; walls: that of i */
-    float *built[3]; /* single: x_i - x_j when the lists were built [m]; not of walls */
-    float *gap;      /* single: (a_i + a_j)^2 less that distance's square [m^2]; of walls the overlap then [m] */
-    void *reach;     /* a_i + a_j, walls a_i [m] */
-    void *history;   /* as below */
+    float *built[3]; /* single: x_i - x_j when the lists were built [unit]; not of walls */
+    float *gap;      /* single: (a_i + a_j)^2 less that distance's square [unit^2]; of walls the overlap then [unit] */
+    void *reach;     /* a_i + a_j [unit], walls a_i [m] */
+    void *history;   /* as below [unit] */
     void *spring[3]; /* of i against j */
     void *rest[3];   /* single: what rounding left out of spring */
     void *sliding;

@@ -75,10 +75,11 @@ struct NAME(law) {
     scalar lever; /* gamma_t - kt dt/2 */
 };
 
-LANES_INLINE struct NAME(law) NAME(law_of)(const struct contact_law_constants *law)
+/* unit: that of overlaps and histories [m] */
+LANES_INLINE struct NAME(law) NAME(law_of)(const struct contact_law_constants *law, double unit)
 {
-    return (struct NAME(law)){.k2 = (scalar)law->k2,
-                              .kc = (scalar)law->kc,
+    return (struct NAME(law)){.k2 = (scalar)(law->k2 * unit),
+                              .kc = (scalar)(law->kc * unit),
                               .gamma_n = (scalar)law->gamma_n,
                               .mu_s = (scalar)law->mu_s,
                               .mu_d = (scalar)law->mu_d,
@@ -86,7 +87,7 @@ LANES_INLINE struct NAME(law) NAME(law_of)(const struct contact_law_constants *l
                               .inv_kt = (scalar)law->inv_kt,
                               .gamma_t = (scalar)law->gamma_t,
                               .dt = (scalar)law->dt,
-                              .k2_minus_k1 = (scalar)law->k2_minus_k1,
+                              .k2_minus_k1 = (scalar)(law->k2_minus_k1 * unit),
                               .branch_ratio = (scalar)law->branch_ratio,
                               .lever = (scalar)(law->gamma_t - 0.5 * law->kt * law->dt)};
 }
@@ -101,7 +102,7 @@ struct NAME(memory) {
 /* What the law wants to know of a set of contacts, with i's side against j's: centres, velocities of the centres, w =
  * a_i omega_i + a_j omega_j and spin = omega_i + omega_j. */
 struct NAME(meeting) {
-    real d[DIM], g[DIM], inverse, delta; /* inverse of |d|; overlap, below 0 if they do not touch */
+    real d[DIM], g[DIM], inverse, delta; /* inverse of |d|, overlap; both 0 if they do not touch */
 #if FRICTIONAL
     real w[SPRINGS];
 #if DIM == 3
@@ -299,17 +300,17 @@ LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(tou
 }
 #endif
 
-/* First half of the law for one set of contacts. Open ones have the overlap 0, for which the law gives no force and no
- * history. */
+/* First half of the law for one set of contacts. Open ones have no overlap and no normal, for which the law gives no
+ * force and no history. */
 LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const struct NAME(meeting) * at,
                                             const struct NAME(memory) * memory, struct NAME(sums) * sums)
 {
     struct NAME(touch) touch;
-    const real zero = real_all(0.0), delta = real_larger(at->delta, zero);
-    const real_mask active = real_greater(at->delta, zero);
+    const real zero = real_all(0.0), delta = at->delta;
+    (void)zero;
     for (int c = 0; c < DIM; c++)
         touch.n[c] = at->d[c] * at->inverse;
-    real u = real_where(active, NAME(inner)(at->g, touch.n));
+    real u = NAME(inner)(at->g, touch.n);
     sums->normal = real_fma(u, u, sums->normal);
     real elastic = real_all(law->k2) * delta;
 #if HYSTERETIC
@@ -329,7 +330,7 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
 #if FRICTIONAL
     /* friction is limited by the normal force above the adhesion branch, never below 0 (docs/theory.md) */
     real limit = real_larger(zero, real_fma(real_all(law->kc), delta, -touch.pressing));
-    touch.active = active;
+    touch.active = real_greater(delta, zero);
     NAME(test)(law, at, u, limit, memory, &touch, sums);
 #endif
     return touch;
@@ -376,12 +377,13 @@ LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals)
 
 /* Adds the totals as energies [J]. */
 LANES_INLINE void NAME(totals_add)(const struct NAME(totals) * totals, const struct contact_law_constants *law,
-                                   struct contact_losses *losses)
+                                   double unit, struct contact_losses *losses)
 {
+    (void)unit;
     losses->viscous_normal += law->gamma_n * law->dt * NAME(doubles_sum)(totals->normal);
 #if HYSTERETIC
     const double rise = NAME(doubles_sum)(totals->rise), fall = rise - NAME(doubles_sum)(totals->change);
-    losses->hysteresis += law->loading_loss * rise + law->adhesion_loss * fall;
+    losses->hysteresis += unit * unit * (law->loading_loss * rise + law->adhesion_loss * fall);
 #endif
 #if FRICTIONAL
     const double power = NAME(doubles_sum)(totals->power);

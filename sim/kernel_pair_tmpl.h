@@ -98,7 +98,7 @@ struct NAME(range) {
     const struct particles *p;
     struct contact_slots slots;
     struct NAME(law) law;
-    scalar quantum;
+    scalar unit;
     size_t first, last; /* sets */
     void *force;
     scalar *own; /* column of force 0, n_rows from one to the next */
@@ -130,11 +130,11 @@ LANES_INLINE struct NAME(meeting)
     const struct NAME(other) i = NAME(beside)(p, &seats),
                              j = kind == PAIRS_NEXT ? NAME(beside)(p, &behind) : NAME(other)(p, slots->row + k);
 #if SINGLE
-    /* d = D + q (u_i - u_j), D at the last build; reach^2 - d^2 = (reach^2 - D^2) - (d + D)(d - D), of which nothing is
-     * a difference of large numbers */
+    /* d = D + u_i - u_j in quanta, D at the last build; reach^2 - d^2 = (reach^2 - D^2) - (d + D)(d - D), of which
+     * nothing is a difference of large numbers */
     real gap = real_load(slots->gap + k);
     for (int c = 0; c < DIM; c++) {
-        real built = real_load(slots->built[c] + k), moved = real_all(r->quantum) * f32_of_difference(i.x[c], j.x[c]);
+        real built = real_load(slots->built[c] + k), moved = f32_of_difference(i.x[c], j.x[c]);
         at.d[c] = built + moved;
         gap = real_fma(-moved, at.d[c] + built, gap);
     }
@@ -147,7 +147,7 @@ LANES_INLINE struct NAME(meeting)
     for (int c = 0; c < DIM; c++)
         at.g[c] = i.v[c] - j.v[c];
 #if FRICTIONAL
-    real a_i = NAME(load_at)(p->view_radius, &seats), a_j = at.inverse - a_i;
+    real a_i = NAME(load_at)(p->view_radius, &seats), a_j = real_fma(real_all(r->unit), at.inverse, -a_i);
     for (int c = 0; c < SPRINGS; c++) {
         at.w[c] = real_fma(a_i, i.omega[c], a_j * j.omega[c]);
 #if DIM == 3
@@ -161,17 +161,20 @@ LANES_INLINE struct NAME(meeting)
 /* The root, and with it `inverse` and delta. */
 LANES_INLINE void NAME(root)(struct NAME(meeting) * at)
 {
-    const real reach = at->inverse;
+    const real reach = at->inverse, zero = real_all(0.0);
 #if SINGLE
     /* delta = (reach^2 - d^2)/(reach + |d|) */
+    const real_mask active = real_greater(at->delta, zero);
     const real d2 = real_fma(reach, reach, -at->delta);
     real distance = f32_sqrt(d2), sum = reach + distance, both = real_all(1.0) / (distance * sum);
-    at->inverse = both * sum;
-    at->delta = at->delta * (both * distance);
+    at->inverse = real_where(active, both * sum);
+    at->delta = real_where(active, at->delta * (both * distance));
 #else
-    const real d2 = NAME(inner)(at->d, at->d);
-    at->inverse = lanes_rsqrt(d2, f64_rsqrt_seed(d2));
-    at->delta = reach - d2 * at->inverse;
+    const real d2 = NAME(inner)(at->d, at->d), inverse = lanes_rsqrt(d2, f64_rsqrt_seed(d2));
+    const real delta = reach - d2 * inverse;
+    const real_mask active = real_greater(delta, zero);
+    at->inverse = real_where(active, inverse);
+    at->delta = real_where(active, delta);
 #endif
 }
 
@@ -457,8 +460,8 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
     void *own = (char *)force + PARTICLES_OWN_OFFSET(p->n_rows, DIM, FRICTIONAL, SINGLE);
     struct NAME(range) range = {.p = p,
                                 .slots = pairs->slots,
-                                .law = NAME(law_of)(constants),
-                                .quantum = (scalar)p->quantum,
+                                .law = NAME(law_of)(constants, pairs->slots.unit),
+                                .unit = (scalar)pairs->slots.unit,
                                 .force = force,
                                 .own = own};
     const bool large = p->count >= PARTICLES_LARGE_SAMPLE;
@@ -470,7 +473,7 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
         else
             NAME(go_through_span)(&range, &pairs->slots.span[s], false, &sums, &totals);
     NAME(sums_close)(&sums, &totals);
-    NAME(totals_add)(&totals, constants, losses);
+    NAME(totals_add)(&totals, constants, pairs->slots.unit, losses);
 }
 
 /* How far the wall has moved in quanta; further than lists reach is as far as it goes. */
@@ -485,7 +488,7 @@ LANES_INLINE real NAME(overlap)(const struct particles *p, const struct wall *wa
 {
 #if SINGLE
     real moved = f32_of_difference(x, f32_all_integers(NAME(wall_moved)(p, wall)));
-    return real_fma(real_all(-wall->inward * p->quantum), moved, real_load(wall->contacts.slots.gap + k));
+    return real_fma(real_all(-wall->inward), moved, real_load(wall->contacts.slots.gap + k));
 #else
     (void)p;
     return real_load((const scalar *)wall->contacts.slots.reach + k) - real_all(wall->inward) * (x - real_all(wall->x));
@@ -504,8 +507,8 @@ LANES_INLINE struct NAME(meeting) NAME(meet_wall)(const struct particles *p, con
         at.g[c] = i.v[c] - real_all(c == wall->axis ? wall->v : 0.0);
         x = c == wall->axis ? i.x[c] : x;
     }
-    at.inverse = real_all(1.0);
-    at.delta = NAME(overlap)(p, wall, k, x);
+    at.delta = real_larger(NAME(overlap)(p, wall, k, x), real_all(0.0));
+    at.inverse = real_where(real_greater(at.delta, real_all(0.0)), real_all(1.0));
 #if FRICTIONAL
     const real a_i = real_load((const scalar *)slots->reach + k);
     for (int c = 0; c < SPRINGS; c++) {
@@ -542,7 +545,7 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
                        struct contact_losses *losses)
 {
     const struct contact_slots slots = wall->contacts.slots;
-    const struct NAME(law) law = NAME(law_of)(constants);
+    const struct NAME(law) law = NAME(law_of)(constants, slots.unit);
     const size_t end = (size_t)wall->contacts.n_sets * SET_WIDTH;
     double columns[SET_WIDTH] = {0}, total = 0;
     struct NAME(sums) sums = {0};
@@ -560,7 +563,7 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
             NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, chunk.set[m].result, columns);
     }
     NAME(sums_close)(&sums, &totals);
-    NAME(totals_add)(&totals, constants, losses);
+    NAME(totals_add)(&totals, constants, slots.unit, losses);
     for (int c = 0; c < SET_WIDTH; c++)
         total += columns[c];
     wall->force = total * wall->inward;
