@@ -407,11 +407,14 @@ LANES_INLINE void f32_add2(void *base, const uint32_t *row, int unit, const f32 
     const __m512i of_second = _mm512_add_epi32(of_first, _mm512_set1_epi32(8));
     const f32 first = _mm512_permutex2var_ps(column[0], of_first, column[1]),
               second = _mm512_permutex2var_ps(column[0], of_second, column[1]);
-    float buffer[2][16] __attribute__((aligned(64)));
-    _mm512_store_ps(buffer[0], first);
-    _mm512_store_ps(buffer[1], second);
-    for (int q = 0; q < 8; q++)
-        lanes_add_two_rows(base, row + q % 4 + q / 4 * 8, unit, _mm_load_ps(&buffer[q / 4][4 * (q % 4)]));
+    lanes_add_two_rows(base, row, unit, _mm512_castps512_ps128(first));
+    lanes_add_two_rows(base, row + 1, unit, _mm512_extractf32x4_ps(first, 1));
+    lanes_add_two_rows(base, row + 2, unit, _mm512_extractf32x4_ps(first, 2));
+    lanes_add_two_rows(base, row + 3, unit, _mm512_extractf32x4_ps(first, 3));
+    lanes_add_two_rows(base, row + 8, unit, _mm512_castps512_ps128(second));
+    lanes_add_two_rows(base, row + 9, unit, _mm512_extractf32x4_ps(second, 1));
+    lanes_add_two_rows(base, row + 10, unit, _mm512_extractf32x4_ps(second, 2));
+    lanes_add_two_rows(base, row + 11, unit, _mm512_extractf32x4_ps(second, 3));
 }
 LANES_INLINE void f32_add4(void *base, const uint32_t *row, int unit, const f32 *column)
 {
