@@ -30,6 +30,7 @@ struct table {
     int n_particles, n_blocks;
     int width, span_width; /* particles of a block, of a span */
     bool chained;
+    bool apart;    /* partners half a row apart must not be the same one */
     int32_t *next; /* [n_particles] the pair with the particle behind it; -1: none */
     int32_t *pair; /* [n_pairs] the other pairs, which are dealt out */
     int n_pairs;
@@ -247,8 +248,7 @@ static int rows_filled(const struct table *t, int b)
     return most;
 }
 
-/* The place half a row apart. In rows of HALF_WIDTH kernels add to the sums of both partners at once, so these must not
- * be the same one. */
+/* The place half a row apart. */
 static int twin_of(const struct table *t, int place)
 {
     return place ^ (t->width / 2);
@@ -314,22 +314,23 @@ static void settle(struct table *t)
     const int half = t->width / 2;
     for (int b = 0; b < t->n_blocks; b++)
         t->planned[b] = rows_filled(t, b);
-    for (int b = 0; b < t->n_blocks && t->width == HALF_WIDTH; b++)
+    for (int b = 0; b < t->n_blocks && t->apart; b++)
         for (int k = 0; k < t->planned[b]; k++)
             for (int place = t->start[b] + t->width * k, end = place + half; place < end; place++)
                 if (t->entry[place].other >= 0 && !fits(t, t->entry[place].other, place))
                     part(t, b, place);
 }
 
-/* Rows of a block: those in the table, and behind them such for what is beyond it, where no two places half a row apart
- * are taken. `room` is then the first of a column. */
+/* Rows of a block: those in the table, and behind them such for what is beyond it; `room` is then the first of a
+ * column.
+ */
 static int number_beyond(struct table *t, int b)
 {
     const int half = t->width / 2, lanes = lanes_of(t, b);
     int rows = t->planned[b];
     for (int l = 0; l < lanes; l++) {
         struct column *column = &t->column[t->width * b + l];
-        column->room = t->planned[b] + (t->width == HALF_WIDTH && l >= half ? column[-half].left : 0);
+        column->room = t->planned[b] + (t->apart && l >= half ? column[-half].left : 0);
         rows = column->room + column->left > rows ? column->room + column->left : rows;
     }
     return rows;
@@ -455,7 +456,8 @@ enum status deal_pairs(struct contact_list *list, int n_particles, int width, in
     struct table t = {.n_particles = n_particles,
                       .n_blocks = (n_particles + width - 1) / width,
                       .width = width,
-                      .span_width = span_width};
+                      .span_width = span_width,
+                      .apart = list->single && width == HALF_WIDTH};
     t.visits_max = list->search_max > 0 && list->search_max < VISITS_MAX ? list->search_max : VISITS_MAX;
     TRY(lay_out(&t, list, 0));
     find_next(&t, list);

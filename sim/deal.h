@@ -29,7 +29,8 @@ int deal_whole_set(const struct deal *deal, int s);
 int deal_halves_set(const struct deal *deal, int s);
 
 /* Deals the pairs of the list (i < j, of n_particles) out, in spans of span_width particles: list->slot and
- * list->n_sets. The same list and search_max give the same slots. Errors: STATUS_NO_MEMORY. */
+ * list->n_sets. If they are single, in rows of HALF_WIDTH, partners half a row apart are not the same one, for kernels
+ * add to the sums of both at once. The same list and search_max give the same slots. Errors: STATUS_NO_MEMORY. */
 enum status deal_pairs(struct contact_list *list, int n_particles, int width, int span_width,
                        struct deal *deal) MUST_USE;
 

@@ -102,7 +102,8 @@ struct NAME(memory) {
 /* What the law wants to know of a set of contacts, with i's side against j's: centres, velocities of the centres, w =
  * a_i omega_i + a_j omega_j and spin = omega_i + omega_j. */
 struct NAME(meeting) {
-    real d[DIM], g[DIM], inverse, delta; /* inverse of |d|, overlap; both 0 if they do not touch */
+    real d[DIM], g[DIM], inverse,
+        delta; /* inverse of |d|; overlap, up to 0 if they do not touch; single: then both 0 */
 #if FRICTIONAL
     real w[SPRINGS];
 #if DIM == 3
@@ -300,17 +301,21 @@ LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(tou
 }
 #endif
 
-/* First half of the law for one set of contacts. Open ones have no overlap and no normal, for which the law gives no
- * force and no history. */
+/* First half of the law for one set of contacts. Open ones have the overlap 0, for which the law gives no force and no
+ * history. */
 LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const struct NAME(meeting) * at,
                                             const struct NAME(memory) * memory, struct NAME(sums) * sums)
 {
     struct NAME(touch) touch;
-    const real zero = real_all(0.0), delta = at->delta;
-    (void)zero;
+    const real zero = real_all(0.0), delta = SINGLE ? at->delta : real_larger(at->delta, zero);
+    const real_mask active = real_greater(delta, zero);
+    (void)active;
     for (int c = 0; c < DIM; c++)
         touch.n[c] = at->d[c] * at->inverse;
-    real u = NAME(inner)(at->g, touch.n);
+    real u = NAME(inner)(at->g, touch.n); /* single: open ones have no normal */
+#if !SINGLE
+    u = real_where(active, u);
+#endif
     sums->normal = real_fma(u, u, sums->normal);
     real elastic = real_all(law->k2) * delta;
 #if HYSTERETIC
@@ -330,7 +335,7 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
 #if FRICTIONAL
     /* friction is limited by the normal force above the adhesion branch, never below 0 (docs/theory.md) */
     real limit = real_larger(zero, real_fma(real_all(law->kc), delta, -touch.pressing));
-    touch.active = real_greater(delta, zero);
+    touch.active = active;
     NAME(test)(law, at, u, limit, memory, &touch, sums);
 #endif
     return touch;

@@ -161,20 +161,18 @@ LANES_INLINE struct NAME(meeting)
 /* The root, and with it `inverse` and delta. */
 LANES_INLINE void NAME(root)(struct NAME(meeting) * at)
 {
-    const real reach = at->inverse, zero = real_all(0.0);
+    const real reach = at->inverse;
 #if SINGLE
     /* delta = (reach^2 - d^2)/(reach + |d|) */
-    const real_mask active = real_greater(at->delta, zero);
+    const real_mask active = real_greater(at->delta, real_all(0.0));
     const real d2 = real_fma(reach, reach, -at->delta);
     real distance = f32_sqrt(d2), sum = reach + distance, both = real_all(1.0) / (distance * sum);
     at->inverse = real_where(active, both * sum);
     at->delta = real_where(active, at->delta * (both * distance));
 #else
-    const real d2 = NAME(inner)(at->d, at->d), inverse = lanes_rsqrt(d2, f64_rsqrt_seed(d2));
-    const real delta = reach - d2 * inverse;
-    const real_mask active = real_greater(delta, zero);
-    at->inverse = real_where(active, inverse);
-    at->delta = real_where(active, delta);
+    const real d2 = NAME(inner)(at->d, at->d);
+    at->inverse = lanes_rsqrt(d2, f64_rsqrt_seed(d2));
+    at->delta = reach - d2 * at->inverse;
 #endif
 }
 
