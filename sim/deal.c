@@ -321,9 +321,7 @@ static void settle(struct table *t)
                     part(t, b, place);
 }
 
-/* Rows of a block: those in the table, and behind them such for what is beyond it; `room` is then the first of a
- * column.
- */
+/* Rows of a block: those in the table, and behind them such for what is beyond it, from row `room` of a column on. */
 static int number_beyond(struct table *t, int b)
 {
     const int half = t->width / 2, lanes = lanes_of(t, b);

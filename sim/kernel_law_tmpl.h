@@ -102,8 +102,8 @@ struct NAME(memory) {
 /* What the law wants to know of a set of contacts, with i's side against j's: centres, velocities of the centres, w =
  * a_i omega_i + a_j omega_j and spin = omega_i + omega_j. */
 struct NAME(meeting) {
-    real d[DIM], g[DIM], inverse,
-        delta; /* inverse of |d|; overlap, up to 0 if they do not touch; single: then both 0 */
+    real d[DIM], g[DIM];
+    real inverse, delta; /* inverse of |d|; overlap, up to 0 if they do not touch; single: then both 0 */
 #if FRICTIONAL
     real w[SPRINGS];
 #if DIM == 3
