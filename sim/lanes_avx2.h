@@ -4,14 +4,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "sim/lanes_x86.h"
+
 #define F64_LANES 4
 #define F32_LANES 8
 typedef __m256d f64;
 typedef __m256d f64_mask;
 typedef __m256 f32;
 typedef __m256 f32_mask;
-
-#define LANES_INLINE static inline __attribute__((always_inline))
 
 LANES_INLINE f64 f64_all(double x)
 {
@@ -289,10 +289,6 @@ LANES_INLINE void f32_store8(float *to, const f32 *column)
     lanes_store_quads(to, 8, column);
     lanes_store_quads(to + 4, 8, column + 4);
 }
-LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)
-{
-    return (char *)base + (size_t)unit * row;
-}
 /* Sums, row by row. */
 LANES_INLINE void f64_add2(void *base, const uint32_t *row, const f64 *column)
 {
@@ -312,14 +308,6 @@ LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
         double *to = lanes_sums(base, row[r], 4);
         _mm256_storeu_pd(to, _mm256_loadu_pd(to) + rows[r]);
     }
-}
-/* Two rows, which are not the same one. */
-LANES_INLINE void lanes_add_two_rows(void *base, const uint32_t *row, int unit, __m128 two)
-{
-    float *to = lanes_sums(base, row[0], unit), *and_to = lanes_sums(base, row[4], unit);
-    const __m128 sum = _mm_loadh_pi(_mm_castsi128_ps(_mm_loadu_si64(to)), (const __m64 *)and_to) + two;
-    _mm_storel_pi((__m64 *)to, sum);
-    _mm_storeh_pi((__m64 *)and_to, sum);
 }
 LANES_INLINE void f32_add2(void *base, const uint32_t *row, int unit, const f32 *column)
 {

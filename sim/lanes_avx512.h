@@ -1,8 +1,9 @@
 /* Eight doubles or sixteen floats at a time with AVX-512; what each does is said in lanes_reference.h. */
-#include <immintrin.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#include "sim/lanes_x86.h"
 
 #define F64_LANES 8
 #define F32_LANES 16
@@ -10,8 +11,6 @@ typedef __m512d f64;
 typedef __mmask8 f64_mask;
 typedef __m512 f32;
 typedef __mmask16 f32_mask;
-
-#define LANES_INLINE static inline __attribute__((always_inline))
 
 LANES_INLINE f64 f64_all(double x)
 {
@@ -364,10 +363,6 @@ LANES_INLINE void f32_store8(float *to, const f32 *column)
         _mm512_storeu_pd(to + 32 * r + 16, _mm512_permutex2var_pd(a, odd, b));
     }
 }
-LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)
-{
-    return (char *)base + (size_t)unit * row;
-}
 /* Sums, row by row. */
 LANES_INLINE void lanes_add_row2(double *to, const double *row)
 {
@@ -392,14 +387,6 @@ LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
         double *to = lanes_sums(base, row[r], 4);
         _mm256_storeu_pd(to, _mm256_loadu_pd(to) + _mm256_load_pd(&buffer[(r & 1) + (r & 4) / 2][2 * (r & 2)]));
     }
-}
-/* Two rows, which are not the same one. */
-LANES_INLINE void lanes_add_two_rows(void *base, const uint32_t *row, int unit, __m128 two)
-{
-    float *to = lanes_sums(base, row[0], unit), *and_to = lanes_sums(base, row[4], unit);
-    const __m128 sum = _mm_loadh_pi(_mm_castsi128_ps(_mm_loadu_si64(to)), (const __m64 *)and_to) + two;
-    _mm_storel_pi((__m64 *)to, sum);
-    _mm_storeh_pi((__m64 *)and_to, sum);
 }
 LANES_INLINE void f32_add2(void *base, const uint32_t *row, int unit, const f32 *column)
 {
