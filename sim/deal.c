@@ -259,12 +259,12 @@ static bool fits(const struct table *t, int particle, int place)
     return particle < 0 || particle != t->entry[twin_of(t, place)].other;
 }
 
-/* The entry and another one of its column change places, if both fit there. */
-static bool change_places(struct table *t, int b, int place)
+/* The entry of `owner` and another one of its column change places, if both fit there. */
+static bool change_places(struct table *t, int place, int owner)
 {
     const struct entry here = t->entry[place];
-    for (int k = 0; k < t->planned[b]; k++) {
-        const int to = t->start[b] + t->width * k + place % t->width;
+    for (int k = 0; k < t->planned[owner / t->width]; k++) {
+        const int to = start_of(t, owner) + t->width * k;
         const struct entry there = t->entry[to];
         if (to == place || !fits(t, here.other, to) || !fits(t, there.other, place))
             continue;
@@ -279,10 +279,9 @@ static bool change_places(struct table *t, int b, int place)
  * `other`. */
 static bool move(struct table *t, int place, int owner, int other, int first, int end)
 {
-    const int b = owner / t->width;
     for (int k = first; k < end; k++) {
-        const int to = t->start[b] + t->width * k + owner % t->width;
-        if (to >= t->start[b + 1] || t->entry[to].pair >= 0 || !fits(t, other, to))
+        const int to = start_of(t, owner) + t->width * k;
+        if (to >= t->start[owner / t->width + 1] || t->entry[to].pair >= 0 || !fits(t, other, to))
             continue;
         t->entry[to] = (struct entry){t->entry[place].pair, other};
         t->entry[place] = (struct entry){-1, -1};
@@ -291,15 +290,15 @@ static bool move(struct table *t, int place, int owner, int other, int first, in
     return false;
 }
 
-/* The same partner in a row twice: one of the two changes places, goes to the partner, or to a row of its own. */
+/* The same partner in a row twice, at `place` of its first half and half a row on: one of the two changes places, goes
+ * to the partner, or to a row of its own. */
 static void part(struct table *t, int b, int place)
 {
-    const int places[] = {place, twin_of(t, place)}, other = t->entry[place].other;
-    for (int n = 0; n < 2; n++)
-        if (change_places(t, b, places[n]) ||
-            move(t, places[n], other, t->width * b + places[n] % t->width, 0, t->planned[other / t->width]))
-            return;
-    const int owner = t->width * b + place % t->width;
+    const int owner = t->width * b + place % t->width, twin = owner + t->width / 2, other = t->entry[place].other;
+    const int rows = t->planned[other / t->width];
+    if (change_places(t, place, owner) || move(t, place, other, owner, 0, rows) ||
+        change_places(t, twin_of(t, place), twin) || move(t, twin_of(t, place), other, twin, 0, rows))
+        return;
     if (move(t, place, owner, other, t->planned[b], t->planned[b] + 1)) {
         t->planned[b]++;
         return;
@@ -334,16 +333,21 @@ static int number_beyond(struct table *t, int b)
     return rows;
 }
 
-/* The rows that the blocks of SET_WIDTH particles side by side all have are whole sets, the others are not. */
-static void number_rows(struct table *t)
+/* From here on `left` counts what is beyond the table, and has rows. */
+static void plan_beyond(struct table *t)
 {
-    const int shares = SET_WIDTH / t->width;
-    for (int q = 0; q < t->n_particles; q++) /* from here on `left` counts what is beyond the table */
+    for (int q = 0; q < t->n_particles; q++)
         t->column[q].left = 0;
     for (int m = 0; m < t->n_over; m++)
         t->column[t->over[m].other].left++;
     for (int b = 0; b < t->n_blocks; b++)
         t->planned[b] = number_beyond(t, b);
+}
+
+/* The rows that the blocks of SET_WIDTH particles side by side all have are whole sets, the others are not. */
+static void number_rows(struct table *t)
+{
+    const int shares = SET_WIDTH / t->width;
     t->whole[0] = t->single[0] = 0;
     for (int b = 0; b < t->n_blocks; b += shares) {
         const int last = b + shares - 1, of_last = last < t->n_blocks ? t->planned[last] : 0;
@@ -465,6 +469,8 @@ enum status deal_pairs(struct contact_list *list, int n_particles, int width, in
     memset(t.entry, -1, (size_t)t.start[t.n_blocks] * sizeof *t.entry);
     deal_out(&t, list);
     settle(&t);
+    if (t.n_over > 0)
+        plan_beyond(&t);
     number_rows(&t);
     *deal = (struct deal){.width = width,
                           .span_width = span_width,
