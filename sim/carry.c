@@ -33,7 +33,9 @@ static void convert(struct contact_list *list, double from_unit)
 {
     const size_t slots = (size_t)list->n_sets * SET_WIDTH;
     const float factor = (float)(from_unit / list->slots.unit);
-    for (size_t s = 0; s < slots && factor != 1; s++) /* double has but one */
+    if (factor == 1) /* double has but one */
+        return;
+    for (size_t s = 0; s < slots; s++)
         ((float *)list->slots.history)[s] *= factor;
 }
 
@@ -51,7 +53,7 @@ enum status carry_close(struct contact_list *list, const struct particles *parti
     const struct contact_slots *from = &before->slots;
     if (list->hysteretic) {
         carry(list, to->history, before, from->history, false, search);
-        convert(list, before->count ? from->unit : to->unit);
+        convert(list, from->unit);
     }
     if (list->n_springs)
         carry(list, to->sliding, before, from->sliding, false, search);

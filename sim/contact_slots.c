@@ -72,27 +72,29 @@ static void empty_slots(struct contact_list *list, int dimension, uint32_t paddi
         put(list, slots->reach, s, nothing);
 }
 
-/* Single: where the partner of slot s was when the lists were built, from particle i; of walls only how far. */
+/* Single: where the partner of slot s was when the lists were built, from particle i; of walls only how far. per_unit:
+ * 1/unit, a power of 2. */
 static void fill_built(struct contact_list *list, size_t s, double reach, const struct particles *p, int i, int j,
-                       const struct wall *wall)
+                       const struct wall *wall, double per_unit)
 {
     struct contact_slots *slots = &list->slots;
     if (wall) {
-        slots->gap[s] = (float)((reach - wall->inward * (p->x_list[wall->axis][i] - wall->x_list)) / slots->unit);
+        slots->gap[s] = (float)((reach - wall->inward * (p->x_list[wall->axis][i] - wall->x_list)) * per_unit);
         return;
     }
     double gap = reach * reach;
     for (int c = 0; c < p->dimension; c++) {
         double d = p->x_list[c][i] - p->x_list[c][j];
-        slots->built[c][s] = (float)(d / slots->unit);
+        slots->built[c][s] = (float)(d * per_unit);
         gap -= d * d;
     }
-    slots->gap[s] = (float)(gap / (slots->unit * slots->unit));
+    slots->gap[s] = (float)(gap * (per_unit * per_unit));
 }
 
 static void fill_slots(struct contact_list *list, const struct particles *p, const struct wall *wall, uint32_t stride)
 {
     struct contact_slots *slots = &list->slots;
+    const double per_unit = 1 / slots->unit, reach_per = wall ? 1 : per_unit;
     for (int k = 0; k < list->count; k++) {
         const size_t s = list->slot[k] / 2;
         const int32_t turned = wall || list->slot[k] % 2; /* no branch: it could not be predicted */
@@ -100,8 +102,8 @@ static void fill_slots(struct contact_list *list, const struct particles *p, con
         const int32_t i = wall ? list->i[k] : both ^ j;
         slots->row[s] = stride * (uint32_t)j;
         if (list->single)
-            fill_built(list, s, list->reach[k], p, i, j, wall);
-        put(list, slots->reach, s, wall ? list->reach[k] : list->reach[k] / slots->unit);
+            fill_built(list, s, list->reach[k], p, i, j, wall, per_unit);
+        put(list, slots->reach, s, list->reach[k] * reach_per);
     }
 }
 
@@ -166,7 +168,7 @@ static void fill_first(struct contact_slots *slots, const struct deal *deal)
     for (int b = 0; b < deal->n_blocks; b++) {
         if (deal->chained)
             fill_row(slots, deal, b, deal_next_row(deal, b));
-        for (int k = 0; k < deal_rows(deal, b); k++)
+        for (int k = 0, n = deal_rows(deal, b); k < n; k++)
             fill_row(slots, deal, b, deal_row(deal, b, k));
     }
 }
