@@ -209,12 +209,12 @@ static enum status warm_up(struct bench *bench)
     return STATUS_OK;
 }
 
-static enum status measure_precision(struct bench *bench, struct scene *scene, int precision)
+static enum status measure_precision(struct bench *bench, int precision)
 {
-    scene->precision = precision;
+    bench->scene->precision = precision;
     bench->left = 0;
     bench->energy_step = 0;
-    enum status status = world_create(&bench->world, scene);
+    enum status status = world_create(&bench->world, bench->scene);
     if (status == STATUS_OK)
         status = warm_up(bench);
     if (status == STATUS_OK)
@@ -237,9 +237,9 @@ static enum status bench_scene(struct scene *scene, const char *json_path)
     bool counts = timing_counts_instructions();
     const struct timing_core before = timing_core();
     printf("%-6s %-9s %-7s %9s %9s %7s\n", "", "kernels", "part", "least us", "median us", "of step");
-    enum status status = measure_precision(&bench, scene, PRECISION_DOUBLE);
+    enum status status = measure_precision(&bench, PRECISION_DOUBLE);
     if (status == STATUS_OK)
-        status = measure_precision(&bench, scene, PRECISION_MIXED);
+        status = measure_precision(&bench, PRECISION_MIXED);
     const struct timing_core after = timing_core();
     timing_core_print(&before, &after);
     json_t *all = json_pack("{s:s, s:i, s:i, s:b, s:o, s:o}", "scene", scene->name, "particles", bench.n[PER_PARTICLE],
