@@ -66,13 +66,19 @@ static bool keep_metadata_until_flush(hid_t access)
     return H5Pset_mdc_config(access, &cache) >= 0;
 }
 
+/* Readers may have the file open, and open it, at any time. */
+static bool access_set(hid_t access)
+{
+    return access >= 0 && H5Pset_file_locking(access, 0, 1) >= 0 && keep_metadata_until_flush(access);
+}
+
 static enum status file_start(const char *path, bool create, hid_t *file)
 {
     *file = H5I_INVALID_HID;
     (void)H5dont_atexit(); /* fails if it was called before, which does no harm */
     TRY(check(H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0, "set up HDF5 for", path));
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    enum status status = check(access >= 0 && keep_metadata_until_flush(access), "set up HDF5 for", path);
+    enum status status = check(access_set(access), "set up HDF5 for", path);
     if (status == STATUS_OK) {
         *file = create ? H5Fcreate(path, H5F_ACC_EXCL, H5P_DEFAULT, access) : H5Fopen(path, H5F_ACC_RDWR, access);
         status = check(*file >= 0, create ? "create" : "open", path);

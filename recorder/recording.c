@@ -13,6 +13,7 @@
 #include "common/scene.h"
 #include "recorder/backlog.h"
 #include "recorder/event_log.h"
+#include "recorder/folder_lock.h"
 #include "recorder/wall_order.h"
 #include "recorder/xdmf.h"
 
@@ -22,6 +23,7 @@ struct recording {
     char path[PATH_MAX]; /* run.h5 */
     char log_path[PATH_MAX];
     char xdmf_path[PATH_MAX];
+    int lock;
     bool any_run, from_log, resume;
     int64_t run_id;
 
@@ -83,6 +85,7 @@ enum status recording_create(struct recording **result, const struct recording_o
     struct recording *recording = *result = calloc(1, sizeof *recording);
     if (!recording)
         return status_fail(STATUS_NO_MEMORY, "no memory for the recording");
+    recording->lock = -1;
     recording->any_run = options->any_run;
     recording->run_id = options->run_id;
     recording->from_log = options->from_log;
@@ -91,6 +94,7 @@ enum status recording_create(struct recording **result, const struct recording_o
     TRY(make_path(recording->log_path, options->directory, "run.lcm"));
     TRY(make_path(recording->xdmf_path, options->directory, "run.xdmf"));
     TRY(directory_make(options->directory));
+    TRY(folder_lock(options->directory, &recording->lock));
     if (options->resume)
         return STATUS_OK;
     TRY(refuse_existing(recording->path));
@@ -562,7 +566,10 @@ enum status recording_finish(struct recording *recording)
     recording->finished = true;
     while (recording->has_run && wall_order_skip(&recording->walls, -1)) /* what waits for what never came */
         TRY(walls_write_next(recording));
-    TRY(files_close(recording, recording->end_matches));
+    enum status status = files_close(recording, recording->end_matches);
+    folder_unlock(recording->lock);
+    recording->lock = -1;
+    TRY(status);
     recording->complete = recording->end_matches;
     return recording->complete ? STATUS_OK : incomplete(recording);
 }
@@ -584,6 +591,7 @@ void recording_free(struct recording *recording)
 {
     if (!recording)
         return;
+    folder_unlock(recording->lock);
     backlog_free(&recording->backlog);
     particle_set_free(&recording->particles);
     particle_frame_free(&recording->particle_frame);

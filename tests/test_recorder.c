@@ -618,6 +618,65 @@ static void test_refuses_to_overwrite(void **state)
     bench_close(&bench);
 }
 
+/* A second recorder for the same folder, while the first is at work. */
+static void test_one_recorder_per_folder(void **state)
+{
+    struct bench bench;
+    struct recording *second;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    const struct recording_options options = {.directory = bench.directory, .run_id = 1};
+    assert_int_equal(recording_create(&second, &options), STATUS_IO);
+    assert_non_null(strstr(status_message(), "another recorder"));
+    recording_free(second);
+    give_all(&bench);
+    finish_complete(&bench);
+    bench_close(&bench);
+}
+
+/* Readers that are not ours: a command that reads run.h5, and is run while it is written. */
+static const struct {
+    const char *tool, *command;
+} readers[] = {
+    {"command -v h5ls", "h5ls -r %s/run.h5 | grep -q strain"},
+    {"command -v h5dump", "h5dump -d /observables/strain/value %s/run.h5 | grep -q DATASPACE"},
+    {"python3 -c 'import h5py'",
+     "python3 -c 'import h5py,sys; h5py.File(sys.argv[1])[\"/observables/strain/value\"][:]' %s/run.h5"},
+};
+
+static void run_readers(const char *directory)
+{
+    for (size_t k = 0; k < sizeof readers / sizeof *readers; k++) {
+        char command[512];
+        snprintf(command, sizeof command, "%s >/dev/null 2>&1", readers[k].tool);
+        if (system(command) != 0) {
+            fprintf(stderr, "SKIPPED: %s\n", readers[k].tool);
+            continue;
+        }
+        int length = snprintf(command, sizeof command, readers[k].command, directory);
+        assert_true(length > 0 && (size_t)length < sizeof command);
+        if (system(command) != 0)
+            fail_msg("while it is written: %s", command);
+    }
+}
+
+/* They read it after every flush, and one that has it open stops nobody. */
+static void test_read_while_written(void **state)
+{
+    struct bench bench;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    for (size_t k = 0; k < bench.run.count; k++) {
+        give(&bench, &bench.run.messages[k]);
+        if (k % 16 != 8)
+            continue;
+        assert_int_equal(recording_flush(bench.recording), STATUS_OK);
+        run_readers(bench.directory);
+    }
+    finish_complete(&bench);
+    bench_close(&bench);
+}
+
 static void test_directory_cannot_be_made(void **state)
 {
     struct recording *recording;
@@ -706,6 +765,8 @@ int main(void)
         cmocka_unit_test(test_walls_with_strange_numbers),
         cmocka_unit_test(test_walls_not_wanted),
         cmocka_unit_test(test_refuses_to_overwrite),
+        cmocka_unit_test(test_one_recorder_per_folder),
+        cmocka_unit_test(test_read_while_written),
         cmocka_unit_test(test_directory_cannot_be_made),
         cmocka_unit_test(test_other_readers),
         cmocka_unit_test(test_xdmf_refers_to_what_is_there),
