@@ -25,12 +25,6 @@ struct estimate biaxial_sin_phi(struct estimate ratio)
     return (struct estimate){(r - 1) / (r + 1), ratio.error * 2 / ((r + 1) * (r + 1))};
 }
 
-struct estimate biaxial_poisson_ratio(struct estimate slope, int dimension)
-{
-    struct estimate shifted = {1 + slope.value, slope.error};
-    return scaled(shifted, 1.0 / (dimension - 1));
-}
-
 /* phi = asin(s), tan phi = s/sqrt(1 - s^2), with d phi = ds/cos phi, d tan phi = ds/cos^3 phi. */
 static struct estimate angle_deg(struct estimate sine)
 {
@@ -49,13 +43,14 @@ static void set_in_window(struct quantity *quantity, struct estimate estimate, c
     quantity_window(quantity, window[0], window[1]);
 }
 
-/* Slope of a curve in the window [a, b], or the reason why there is none. */
+/* Slope of a curve against logarithmic axial strain in the window [a, b], or the reason why there is none. */
 static bool slope_set(const struct loading *loading, enum loading_curve curve, double a, double b,
                       struct quantity *quantity, struct estimate *slope)
 {
     size_t first;
     double window[2] = {a, b};
     struct points points = loading_window(loading, a, b, &first);
+    points.x = loading->y[LOADING_EPS_ZZ_LOG] + first;
     if (!statistics_slope(&points, loading->y[curve] + first, slope)) {
         quantity_undefined(quantity, "%zu samples with axial strain in [%g, %g]: too few", points.n, a, b);
         return false;
@@ -72,12 +67,11 @@ static void moduli(const struct curves *curves, const struct loading *loading, c
     if (slope_set(loading, LOADING_SIGMA_ZZ, 0, analysis->modulus_strain, &q[QUANTITY_E_INITIAL], &slope) &&
         isnan(curves->lateral_pressure_pa))
         quantity_note(&q[QUANTITY_E_INITIAL], "lateral stress is not held constant: not Young's modulus");
-    if (!slope_set(loading, LOADING_EPS_V, 0, analysis->modulus_strain, &q[QUANTITY_EPS_V_SLOPE_INITIAL], &slope))
-        q[QUANTITY_NU] = q[QUANTITY_EPS_V_SLOPE_INITIAL];
-    else if (isnan(curves->lateral_pressure_pa))
+    (void)slope_set(loading, LOADING_EPS_V_LOG, window[0], window[1], &q[QUANTITY_EPS_V_SLOPE_INITIAL], &slope);
+    if (slope_set(loading, LOADING_EPS_XX_LOG, window[0], window[1], &q[QUANTITY_NU], &slope))
+        set_in_window(&q[QUANTITY_NU], scaled(slope, -1), window);
+    if (isnan(curves->lateral_pressure_pa))
         quantity_undefined(&q[QUANTITY_NU], "lateral stress is not held constant");
-    else
-        set_in_window(&q[QUANTITY_NU], biaxial_poisson_ratio(slope, curves->dimension), window);
 }
 
 static void dilatancy(const struct loading *loading, const struct scene_analysis *analysis, struct quantity *q)
@@ -86,10 +80,12 @@ static void dilatancy(const struct loading *loading, const struct scene_analysis
     double last = loading->eps[loading->n - 1];
     double window[2] = {analysis->dilatancy_min_strain,
                         analysis->dilatancy_max_strain > 0 ? fmin(last, analysis->dilatancy_max_strain) : last};
-    if (!slope_set(loading, LOADING_EPS_V, window[0], window[1], &q[QUANTITY_DILATANCY_SLOPE], &slope)) {
+    if (!slope_set(loading, LOADING_EPS_V_LOG, window[0], window[1], &q[QUANTITY_DILATANCY_SLOPE], &slope)) {
         q[QUANTITY_DILATANCY_ANGLE] = q[QUANTITY_DILATANCY_SLOPE];
         return;
     }
+    slope = scaled(slope, -1);
+    set_in_window(&q[QUANTITY_DILATANCY_SLOPE], slope, window);
     struct estimate angle = biaxial_dilatancy_angle_rad(slope);
     if (isnan(angle.value))
         quantity_undefined(&q[QUANTITY_DILATANCY_ANGLE], "slope %g is at or below -1", slope.value);
@@ -258,7 +254,7 @@ enum status biaxial_evaluate(const struct curves *curves, const struct scene *sc
         all_undefined(quantities, "the strain-controlled axis is not compressed");
         return STATUS_OK;
     }
-    TRY(loading_extract(&loading, curves));
+    TRY(loading_extract(&loading, curves, scene->analysis.strain));
     if (loading.n < 2) {
         all_undefined(quantities, loading.n ? "the stage has no strain yet" : "the stage has no samples");
     } else {

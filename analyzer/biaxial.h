@@ -12,14 +12,12 @@
 enum status biaxial_evaluate(const struct curves *curves, const struct scene *scene,
                              struct quantity *quantities) MUST_USE;
 
-/* Dilatancy angle [rad] from s = d eps_v/d eps_zz: s = 2 sin psi/(1 - sin psi), so sin psi = s/(2 + s) ([LH] print a
- * tan around the right-hand side, which their own numbers do not follow). The error is propagated. NaN for s <= -1. */
+/* Dilatancy angle [rad] from s = -d eps_v/d eps_zz of logarithmic strains: s = 2 sin psi/(1 - sin psi), so sin psi =
+ * s/(2 + s) ([LH] print a tan around the right-hand side, which their own numbers do not follow). The error is
+ * propagated. NaN for s <= -1. */
 struct estimate biaxial_dilatancy_angle_rad(struct estimate slope);
 
 /* sin(phi) = (r - 1)/(r + 1) of the stress ratio r = sigma_zz/sigma_xx (Mohr-Coulomb without cohesion). */
 struct estimate biaxial_sin_phi(struct estimate ratio);
-
-/* Poisson's ratio from the initial slope of eps_v (dilation positive): 2D 1 + s, 3D (1 + s)/2. */
-struct estimate biaxial_poisson_ratio(struct estimate slope, int dimension);
 
 #endif

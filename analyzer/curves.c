@@ -17,6 +17,16 @@ const char *curve_name(enum curve curve)
     return names[curve];
 }
 
+enum curve curve_axial_strain(int measure)
+{
+    return measure == STRAIN_LOGARITHMIC ? CURVE_EPS_ZZ_LOG : CURVE_EPS_ZZ;
+}
+
+enum curve curve_volumetric_strain(int measure)
+{
+    return measure == STRAIN_LOGARITHMIC ? CURVE_EPS_V_LOG : CURVE_EPS_V;
+}
+
 static int compare_descending(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
@@ -115,16 +125,22 @@ static void strains_fill(struct curves *curves, const struct run *run, size_t fi
 {
     const double *length = run_record(run, OBSERVABLE_BOX_LENGTH, first + i);
     const double *start = run_record(run, OBSERVABLE_BOX_LENGTH, first);
-    double strain[SCENE_AXES] = {0}, volumetric = 0, axial, lateral;
+    double strain[SCENE_AXES] = {0}, logarithmic[SCENE_AXES] = {0}, volumetric = 0, axial, lateral;
     for (int k = 0; k < curves->dimension; k++) {
         strain[k] = 1 - length[k] / start[k];
-        volumetric -= strain[k];
+        logarithmic[k] = -log1p((length[k] - start[k]) / start[k]); /* keeps the digits of small strains */
+        volumetric += logarithmic[k];
     }
     split(curves, strain, &axial, &lateral);
     curves->column[CURVE_EPS_ZZ][i] = axial;
     curves->column[CURVE_EPS_XX][i] = lateral;
-    curves->column[CURVE_EPS_V][i] = volumetric;
+    curves->column[CURVE_EPS_V][i] = -expm1(-volumetric);
     curves->column[CURVE_EPS_D][i] = axial - lateral;
+    split(curves, logarithmic, &axial, &lateral);
+    curves->column[CURVE_EPS_ZZ_LOG][i] = axial;
+    curves->column[CURVE_EPS_XX_LOG][i] = lateral;
+    curves->column[CURVE_EPS_V_LOG][i] = volumetric;
+    curves->column[CURVE_EPS_D_LOG][i] = axial - lateral;
 }
 
 static void stresses_fill(struct curves *curves, const struct run *run, size_t sample, size_t i)

@@ -8,7 +8,8 @@
 #include "common/status.h"
 
 /* id, column name. zz is the axial direction and xx the mean over the lateral ones, whatever the axes are called;
- * compression is positive in sigma, eps_zz, eps_xx, and dilation is positive in eps_v, as in [LH]. */
+ * compression is positive in stresses and in all strains, eps_v = 1 - V/V0 too. The engineering strains 1 - L/L0 have
+ * logarithmic ones -ln(L/L0) beside them, which add up over any path: eps_v_log = -ln(V/V0) is their sum. */
 #define CURVE_LIST(X)                                                                                                  \
     X(STEP, "step")                                                                                                    \
     X(TIME, "time_s")                                                                                                  \
@@ -18,6 +19,10 @@
     X(EPS_XX, "eps_xx")                                                                                                \
     X(EPS_V, "eps_v")                                                                                                  \
     X(EPS_D, "eps_d")                                                                                                  \
+    X(EPS_ZZ_LOG, "eps_zz_log")                                                                                        \
+    X(EPS_XX_LOG, "eps_xx_log")                                                                                        \
+    X(EPS_V_LOG, "eps_v_log")                                                                                          \
+    X(EPS_D_LOG, "eps_d_log")                                                                                          \
     X(SIGMA_ZZ, "sigma_zz_pa")                                                                                         \
     X(SIGMA_XX, "sigma_xx_pa")                                                                                         \
     X(SIGMA_D, "sigma_d_pa")                                                                                           \
@@ -69,10 +74,14 @@ struct curves {
     double stress_difference; /* |sigma_wall - sigma_contact| over |sigma_wall|, rms over axes and samples; NaN */
 };
 
+/* The column of axial or volumetric strain in a measure (enum strain_measure). */
+enum curve curve_axial_strain(int measure);
+enum curve curve_volumetric_strain(int measure);
+
 /* Name of a column, with its unit unless it is 1. */
 const char *curve_name(enum curve curve);
 
-/* Extracts the stage scene.analysis.stage of `run`; strains count from its first sample, eps_ii = 1 - L_i/L_i0. A stage
+/* Extracts the stage scene.analysis.stage of `run`; strains count from its first sample. A stage
  * without samples gives n = 0, which is no error. Release with curves_free. Errors: STATUS_NO_MEMORY. */
 enum status curves_extract(struct curves *curves, const struct run *run) MUST_USE;
 

@@ -50,8 +50,8 @@ struct vertex {
 
 static struct vertex vertex_at(const struct curves *curves, double t)
 {
-    struct vertex v = {t, at_time(curves, CURVE_EPS_D, t), at_time(curves, CURVE_SIGMA_D, t),
-                       at_time(curves, CURVE_EPS_ZZ, t), 0};
+    struct vertex v = {t, at_time(curves, CURVE_EPS_D_LOG, t), at_time(curves, CURVE_SIGMA_D, t),
+                       at_time(curves, CURVE_EPS_ZZ_LOG, t), 0};
     v.q = at_time(curves, CURVE_SIGMA_ZZ, t) - at_time(curves, CURVE_SIGMA_XX, t);
     return v;
 }
@@ -92,8 +92,8 @@ static void cycles_measure(struct cycles *cycles, const struct curves *curves)
     for (size_t k = 0; k < cycles->n; k++) {
         struct cycle *cycle = &cycles->cycle[k];
         double t0 = period * (double)k, t1 = period * (double)(k + 1);
-        cycle->eps_d = at_time(curves, CURVE_EPS_D, t1);
-        cycle->eps_v = at_time(curves, CURVE_EPS_V, t1);
+        cycle->eps_d = at_time(curves, CURVE_EPS_D_LOG, t1);
+        cycle->eps_v = at_time(curves, CURVE_EPS_V_LOG, t1);
         cycle->rate_d = cycle->eps_d - eps_d;
         cycle->rate_v = cycle->eps_v - eps_v;
         eps_d = cycle->eps_d;

@@ -1,7 +1,7 @@
 /* Cyclic loading: accumulated strain, hysteresis loops, and whether the sample shakes down or ratchets.
- * Strains and stresses as in [D]: eps_D = eps_c - eps_o, sigma_D = (D-1)/D (sigma_c - sigma_o), c the cycled axis, o
- * the mean of the others, D the dimension: in 3D the 2(sigma_xx - sigma_yy)/3 of [D], in 2D the conjugate (sigma_xx -
- * sigma_zz)/2. */
+ * Strains and stresses as in [D], but logarithmic: eps_D = eps_c - eps_o, sigma_D = (D-1)/D (sigma_c - sigma_o), c the
+ * cycled axis, o the mean of the others, D the dimension: in 3D the 2(sigma_xx - sigma_yy)/3 of [D], in 2D the
+ * conjugate (sigma_xx - sigma_zz)/2. */
 #ifndef SHAKEDOWN_ANALYZER_CYCLES_H
 #define SHAKEDOWN_ANALYZER_CYCLES_H
 

@@ -24,13 +24,14 @@ static enum status allocate(struct loading *loading, size_t n)
     return status_fail(STATUS_NO_MEMORY, "out of memory for %zu samples", n);
 }
 
-enum status loading_extract(struct loading *loading, const struct curves *curves)
+enum status loading_extract(struct loading *loading, const struct curves *curves, int measure)
 {
-    static const enum curve from[] = {
-        [LOADING_EPS_V] = CURVE_EPS_V,        [LOADING_SIGMA_ZZ] = CURVE_SIGMA_ZZ, [LOADING_SIGMA_XX] = CURVE_SIGMA_XX,
-        [LOADING_RATIO] = CURVE_STRESS_RATIO, [LOADING_SIN_PHI] = CURVE_SIN_PHI,   [LOADING_Q_OVER_P] = CURVE_Q_OVER_P};
+    static const enum curve from[] = {[LOADING_EPS_ZZ_LOG] = CURVE_EPS_ZZ_LOG, [LOADING_EPS_XX_LOG] = CURVE_EPS_XX_LOG,
+                                      [LOADING_EPS_V_LOG] = CURVE_EPS_V_LOG,   [LOADING_SIGMA_ZZ] = CURVE_SIGMA_ZZ,
+                                      [LOADING_SIGMA_XX] = CURVE_SIGMA_XX,     [LOADING_RATIO] = CURVE_STRESS_RATIO,
+                                      [LOADING_SIN_PHI] = CURVE_SIN_PHI,       [LOADING_Q_OVER_P] = CURVE_Q_OVER_P};
     TRY(allocate(loading, curves->n));
-    const double *eps = curves->column[CURVE_EPS_ZZ];
+    const double *eps = curves->column[curve_axial_strain(measure)];
     double largest = -INFINITY;
     for (size_t i = 0; i < curves->n; i++) {
         if (!(eps[i] > largest + 1e-14)) /* rounding of 1 - L/L0 is no progress */

@@ -10,7 +10,9 @@
 
 /* The curves that are evaluated against axial strain. */
 enum loading_curve {
-    LOADING_EPS_V,
+    LOADING_EPS_ZZ_LOG,
+    LOADING_EPS_XX_LOG,
+    LOADING_EPS_V_LOG,
     LOADING_SIGMA_ZZ,
     LOADING_SIGMA_XX,
     LOADING_RATIO,
@@ -22,14 +24,14 @@ enum loading_curve {
 
 struct loading {
     size_t n;
-    double *eps;               /* [n], axial strain, strictly increasing */
+    double *eps;               /* [n], axial strain in the measure asked for, strictly increasing */
     double *w;                 /* [n], the strain a sample stands for */
     double *y[LOADING_CURVES]; /* [n] each; NaN where undefined */
 };
 
-/* Takes those samples that reach a new largest axial strain: the wall rests after its motion, and samples at rest carry
- * no information about slopes. Release with loading_free. STATUS_NO_MEMORY. */
-enum status loading_extract(struct loading *loading, const struct curves *curves) MUST_USE;
+/* Takes those samples that reach a new largest axial strain (`measure`: enum strain_measure): the wall rests after its
+ * motion, and samples at rest carry no information about slopes. Release with loading_free. STATUS_NO_MEMORY. */
+enum status loading_extract(struct loading *loading, const struct curves *curves, int measure) MUST_USE;
 
 void loading_free(struct loading *loading);
 

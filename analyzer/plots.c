@@ -42,6 +42,17 @@ struct plot {
     const char *x; /* gnuplot expression */
 };
 
+/* Columns of axial and volumetric strain in the measure asked for. */
+static enum curve plot_axial(const struct plot *plot)
+{
+    return curve_axial_strain(plot->analysis->run.scene->analysis.strain);
+}
+
+static enum curve plot_volumetric(const struct plot *plot)
+{
+    return curve_volumetric_strain(plot->analysis->run.scene->analysis.strain);
+}
+
 static bool defined(const struct plot *plot, enum quantity_id id)
 {
     return isfinite(plot->analysis->quantity[id].value);
@@ -87,36 +98,42 @@ static void stress_strain(const struct plot *plot)
 }
 
 /* Mean point of eps_v over eps_zz in the window of a quantity: a fitted line passes through it. */
-static void mean_point(const struct curves *curves, const struct quantity *quantity, double *x, double *y)
+static void mean_point(const struct plot *plot, const struct quantity *quantity, double *x, double *y)
 {
+    const struct curves *curves = &plot->analysis->curves;
+    const double *axial = curves->column[plot_axial(plot)], *volumetric = curves->column[plot_volumetric(plot)];
     double count = 0;
     *x = *y = 0;
     for (size_t k = 0; k < curves->n; k++) {
-        double eps = curves->column[CURVE_EPS_ZZ][k];
+        double eps = axial[k];
         if (eps < quantity->window[0] - 1e-12 || eps > quantity->window[1] + 1e-12)
             continue;
         *x += eps;
-        *y += curves->column[CURVE_EPS_V][k];
+        *y += volumetric[k];
         count++;
     }
     *x /= count;
     *y /= count;
 }
 
-/* A fitted slope, drawn over its window stretched by `stretch` to the right. */
-static void slope_line(const struct plot *plot, enum quantity_id id, double stretch, const char *title)
+/* A fitted slope times `sign`, drawn over its window stretched by `stretch` to the right. */
+static void slope_line(const struct plot *plot, enum quantity_id id, double sign, double stretch, const char *title)
 {
     const struct quantity *quantity = &plot->analysis->quantity[id];
     double x, y, a = quantity->window[0],
                  b = quantity->window[0] + stretch * (quantity->window[1] - quantity->window[0]);
     if (!defined(plot, id))
         return;
-    mean_point(&plot->analysis->curves, quantity, &x, &y);
+    mean_point(plot, quantity, &x, &y);
+    /* a slope of logarithmic strains, drawn over engineering ones */
+    double slope = sign * quantity->value;
+    if (plot_axial(plot) == CURVE_EPS_ZZ)
+        slope *= (1 - y) / (1 - x);
     fprintf(
         plot->out,
         ", \\\n     [%.10g:%.10g] %.10g + (%.10g)*(x - %.10g) with lines linewidth 2 dashtype %d linecolor '%s' title "
         "'%s: slope %.3g'",
-        100 * a, 100 * b, 100 * y, quantity->value, 100 * x, stretch > 1 ? 3 : 2, stretch > 1 ? ORANGE : "black", title,
+        100 * a, 100 * b, 100 * y, slope, 100 * x, stretch > 1 ? 3 : 2, stretch > 1 ? ORANGE : "black", title,
         quantity->value);
 }
 
@@ -125,12 +142,12 @@ static void volumetric_strain(const struct plot *plot)
     abscissa(plot);
     fprintf(plot->out,
             "set ylabel 'volumetric strain {/Symbol e}_V [%%]'\n"
-            "plot 'curves.csv' using (%s):(100*column('eps_v')) with lines linewidth 2 linecolor '" BLUE
-            "' title '{/Symbol e}_V (dilation positive)'",
-            plot->x);
+            "plot 'curves.csv' using (%s):(100*column('%s')) with lines linewidth 2 linecolor '" BLUE
+            "' title '{/Symbol e}_V (compression positive)'",
+            plot->x, curve_name(plot_volumetric(plot)));
     if (plot->analysis->curves.kind == TEST_STRAIN) {
-        slope_line(plot, QUANTITY_EPS_V_SLOPE_INITIAL, 3, "initial");
-        slope_line(plot, QUANTITY_DILATANCY_SLOPE, 1, "dilatancy");
+        slope_line(plot, QUANTITY_EPS_V_SLOPE_INITIAL, 1, 3, "initial");
+        slope_line(plot, QUANTITY_DILATANCY_SLOPE, -1, 1, "dilatancy");
     }
     fputc('\n', plot->out);
 }
@@ -178,7 +195,7 @@ static void accumulation(const struct plot *plot)
             "plot 'cycles.csv' using 1:(100*column('eps_d')) with linespoints pointtype 7 pointsize 0.5 linewidth "
             "1.5 linecolor '" BLUE "' title '{/Symbol e}_D', \\\n"
             "     '' using 1:(100*column('eps_v')) with linespoints pointtype 6 pointsize 0.5 linewidth 1.5 "
-            "linecolor '" ORANGE "' title '{/Symbol e}_V (dilation positive)'\n");
+            "linecolor '" ORANGE "' title '{/Symbol e}_V (compression positive)'\n");
 }
 
 static void accumulation_log(const struct plot *plot)
@@ -217,8 +234,11 @@ static enum status script_write(const struct analysis *analysis, const struct pl
 {
     char path[sizeof analysis->directory + 64];
     snprintf(path, sizeof path, "%s/%s.gp", analysis->directory, kind->stem);
-    struct plot plot = {analysis, fopen(path, "w"),
-                        analysis->curves.kind == TEST_STRAIN ? "100*column('eps_zz')" : "column('stage_time_s')"};
+    struct plot plot = {analysis, fopen(path, "w"), "column('stage_time_s')"};
+    char strain[64];
+    snprintf(strain, sizeof strain, "100*column('%s')", curve_name(plot_axial(&plot)));
+    if (analysis->curves.kind == TEST_STRAIN)
+        plot.x = strain;
     if (!plot.out)
         return status_fail(STATUS_IO, "%s: %s", path, strerror(errno));
     fprintf(plot.out, preamble, kind->stem, kind->stem);

@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { STATISTICS_BLOCKS = 10, STATISTICS_OUT_MAX = 8, FIT_DEGREE_MAX = 2 };
+enum { STATISTICS_BLOCKS = 10, STATISTICS_OUT_MAX = 10, FIT_DEGREE_MAX = 2 };
 
 struct estimate {
     double value;

@@ -16,6 +16,7 @@ static const char *const radius_names[] = {"uniform", "gaussian", NULL};
 static const char *const initial_names[] = {"lattice", "random", "checkpoint", NULL};
 static const char *const scheme_names[] = {"hold", "jacobian", "pipelined", "adaptive", "impedance", NULL};
 static const char *const precision_names[] = {"double", "mixed", NULL};
+static const char *const strain_names[] = {"engineering", "logarithmic", NULL};
 static const char *const walls_names[] = {"sampled", "full", NULL};
 
 static const struct key material_keys[] = {
@@ -164,6 +165,9 @@ static const struct key neighbor_keys[] = {
 static const struct key analysis_keys[] = {
     {"stage", KEY_STRING, OF(scene_analysis, stage), NULL, 0, 0, "", NULL, NULL,
      "name of the stage to evaluate; empty: the last one"},
+    {"strain", KEY_CHOICE, OF(scene_analysis, strain), NULL, 0, 0, "engineering", strain_names, NULL,
+     "measure of the strains in the report, in its windows and plots: 1 - L/L0 and 1 - V/V0, or -ln(L/L0) and "
+     "-ln(V/V0); slopes are always those of logarithmic strains"},
     {"modulus_strain", KEY_FLOAT, OF(scene_analysis, modulus_strain), NULL, 1e-9, 1, "0.001", NULL, NULL,
      "window of the initial slopes: axial strain from 0 to this"},
     {"residual_strain", KEY_FLOAT, OF(scene_analysis, residual_strain), NULL, 0, 1, "0.005", NULL, NULL,

@@ -110,8 +110,11 @@ struct scene_neighbor {
     int64_t renumber_steps; /* steps between renumberings of the particles; 0: never, -1: by their number */
 };
 
+enum strain_measure { STRAIN_ENGINEERING, STRAIN_LOGARITHMIC };
+
 struct scene_analysis {
     char stage[CONFIG_STRING_MAX]; /* name of the stage to evaluate; "" = the last */
+    int strain;                    /* enum strain_measure: of reported strains, windows and plots */
     double modulus_strain;         /* window of the initial slopes: strain 0 to this */
     double residual_strain;        /* window of the residual stress: the last part of the strain */
     double dilatancy_min_strain;   /* window of the dilatancy slope */

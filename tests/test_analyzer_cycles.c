@@ -97,8 +97,8 @@ static void loop_with_drift(void **state)
     assert_near(cycles.cycle[7].damping_ratio, area / (4 * M_PI * elastic), 1e-10);
     assert_near(q[QUANTITY_CYCLES_RATE].value, lateral * law.a, 1e-12 * lateral);
     assert_near(q[QUANTITY_CYCLES_FIRST].value, lateral * law.a, 1e-12 * lateral);
-    /* eps_v = -(1 - 0.6) eps_x, dilation positive */
-    assert_near(q[QUANTITY_CYCLES_EPS_V].value, -0.4 * 12 * law.a, 1e-12);
+    /* eps_v = (1 - 0.6) eps_x */
+    assert_near(q[QUANTITY_CYCLES_EPS_V].value, 0.4 * 12 * law.a, 1e-12);
     assert_near(q[QUANTITY_CYCLES_RATE_EXPONENT].value, 0, 1e-8);
     assert_int_equal(cycles.verdict, VERDICT_RATCHETING);
     assert_true(cycles.confidence > 0.99);

@@ -13,7 +13,7 @@
     "material = { law = \"linear\"; kn_n_per_m = 1e5; };\n"
 
 const char fixture_biaxial_config[] =
-    "name = \"synthetic\"; dimension = 2; seed = 7;\n" SAMPLE
+    "name = \"synthetic\"; dimension = 2; seed = 7; analysis = { strain = \"logarithmic\"; };\n" SAMPLE
     "stages = ( { name = \"relax\"; dt_s = 1e-6; duration_s = 0.01;\n"
     "             walls = { x = { mode = \"stress\"; pressure_pa = 500.0; mass_kg = 1e-4; };\n"
     "                       z = { mode = \"stress\"; pressure_pa = 500.0; mass_kg = 1e-4; }; }; },\n"
@@ -254,8 +254,8 @@ void fixture_biaxial(struct run *run, const struct biaxial_model *model, struct 
         run->time_s[at] = 0.01 + 0.05 * (double)i / (double)(model->n - 1);
         fixture_set(run, OBSERVABLE_STAGE, at, 0, 1);
         fixture_set(run, OBSERVABLE_STAGE_TIME, at, 0, run->time_s[at] - 0.01);
-        fixture_set(run, OBSERVABLE_BOX_LENGTH, at, 0, 0.1 * (1 + eps_v + eps));
-        fixture_set(run, OBSERVABLE_BOX_LENGTH, at, 1, 0.1 * (1 - eps));
+        fixture_set(run, OBSERVABLE_BOX_LENGTH, at, 0, 0.1 * exp(eps_v + eps));
+        fixture_set(run, OBSERVABLE_BOX_LENGTH, at, 1, 0.1 * exp(-eps));
         double stress[2] = {p + model->stress_noise_pa * error[0],
                             p * fixture_ratio(eps) + model->stress_noise_pa * error[1]};
         for (size_t k = 0; k < 2; k++) {
@@ -268,7 +268,7 @@ void fixture_biaxial(struct run *run, const struct biaxial_model *model, struct 
         fixture_set(run, OBSERVABLE_CONTROLLER_RESIDUAL, at, 0, 1e-2 * eps);
         fixture_set(run, OBSERVABLE_COORDINATION, at, 0, 4.2 - 0.6 * (1 - exp(-eps / 0.004)));
         fixture_set(run, OBSERVABLE_COORDINATION_NO_RATTLERS, at, 0, 4.3 - 0.5 * (1 - exp(-eps / 0.004)));
-        fixture_set(run, OBSERVABLE_SOLID_FRACTION, at, 0, 0.88 / (1 + eps_v));
+        fixture_set(run, OBSERVABLE_SOLID_FRACTION, at, 0, 0.88 / exp(eps_v));
     }
 }
 
@@ -286,7 +286,7 @@ void fixture_cyclic(struct run *run, const struct cyclic_model *model)
         for (size_t k = 0; k < 3; k++) {
             fixture_set(run, OBSERVABLE_STRESS_WALL, i, k, stress[k]);
             fixture_set(run, OBSERVABLE_STRESS_CONTACT, i, 4 * k, stress[k]);
-            fixture_set(run, OBSERVABLE_BOX_LENGTH, i, k, 0.1 * (1 - strain[k]));
+            fixture_set(run, OBSERVABLE_BOX_LENGTH, i, k, 0.1 * exp(-strain[k]));
         }
         fixture_set(run, OBSERVABLE_WORK_WALLS, i, 0, 1e-3 * (1 - cos(theta)));
         fixture_set(run, OBSERVABLE_ENERGY_RESIDUAL, i, 0, 1e-6);

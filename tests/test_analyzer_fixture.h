@@ -46,7 +46,7 @@ void fixture_directory_remove(const char *path);
 /* The biaxial test with known answers. Pressure p = 500 Pa; strain 0 to 0.035 on a cosine path of `n` samples, then
  * `rest` samples at rest. Stress ratio R: 1 + 0.2 eps/0.001 up to 0.001 (E = 1e5 Pa); straight to the parabola 1.6 -
  * 2000 (eps - 0.012)^2 on [0.006, 0.018]; straight down to 1.4 at 0.028; 1.4 from there. eps_v: slope -0.31 up to
- * 0.002, then 0 to 0.008, then +0.19. */
+ * 0.002, then 0 to 0.008, then +0.19 (dilation positive). All strains are logarithmic. */
 struct biaxial_model {
     size_t n, rest;
     double stress_noise_pa; /* s.d. of both stresses */
@@ -60,8 +60,8 @@ double fixture_eps_v(double eps);
 void fixture_biaxial(struct run *run, const struct biaxial_model *model, struct random *random);
 
 /* The cyclic test with known answers, in 3D: period T = 10 s, p0 = 1000 Pa, Delta sigma = 200 Pa on x,
- * eps_x = (e/2) [cos(delta) - cos(2 pi t/T - delta)] + accumulated(t/T), eps_y = eps_z = -0.3 eps_x, e = 1e-3,
- * delta = 2 pi 4/64, `per_cycle` samples per cycle. */
+ * logarithmic eps_x = (e/2) [cos(delta) - cos(2 pi t/T - delta)] + accumulated(t/T), eps_y = eps_z = -0.3 eps_x, e =
+ * 1e-3, delta = 2 pi 4/64, `per_cycle` samples per cycle. */
 struct cyclic_model {
     size_t cycles, per_cycle;
     double (*accumulated)(double cycles, const void *context);
