@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/config_literals.h"
+
 static _Thread_local char source_name[256] = "scene";
 
 void config_source_name(const char *name)
@@ -145,11 +147,6 @@ static enum status read_int(const config_setting_t *setting, const struct key *k
         return config_fail(setting, where, "must be an integer%s%s", key->unit ? " in " : "",
                            key->unit ? key->unit : "");
     *value = type == CONFIG_TYPE_INT ? config_setting_get_int(setting) : config_setting_get_int64(setting);
-    /* libconfig 1.5 wraps integers of more than 31 bits that lack the suffix L */
-    if (type == CONFIG_TYPE_INT && *value < 0 && key->min >= 0)
-        return config_fail(setting, where,
-                           "reads as %lld: negative, or above 2147483647 without the suffix L; allowed: at least %g",
-                           (long long)*value, key->min);
     return check_range(setting, key, where, (double)*value);
 }
 
@@ -278,11 +275,18 @@ enum status config_require(const config_setting_t *setting, const struct key *ta
     return STATUS_OK;
 }
 
-/* Makes the text a libconfig value: bare words become strings. */
-static void quote_bare_word(const char *value, char *text, size_t size)
+/* The text as a libconfig assignment to "v", to be freed: bare words become strings. */
+static enum status assignment_text(const char *value, char **text)
 {
     bool word = isalpha((unsigned char)value[0]) && strcmp(value, "true") != 0 && strcmp(value, "false") != 0;
-    snprintf(text, size, word ? "v = \"%s\";" : "v = %s;", value);
+    size_t size = strlen(value) + 16;
+    char *raw = malloc(size);
+    if (!raw)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    snprintf(raw, size, word ? "v = \"%s\";" : "v = %s;", value);
+    enum status status = config_literals(raw, NULL, text);
+    free(raw);
+    return status;
 }
 
 static enum status setting_copy_value(config_setting_t *parent, const char *name, const config_setting_t *from)
@@ -360,11 +364,13 @@ enum status config_override(config_t *config, const char *assignment)
         part = dot + 1;
     }
 
-    char text[512];
-    quote_bare_word(equals + 1, text, sizeof text);
+    char *text;
+    TRY(assignment_text(equals + 1, &text));
     config_t value;
     config_init(&value);
-    if (config_read_string(&value, text) != CONFIG_TRUE || config_setting_length(config_root_setting(&value)) != 1) {
+    int read = config_read_string(&value, text);
+    free(text);
+    if (read != CONFIG_TRUE || config_setting_length(config_root_setting(&value)) != 1) {
         config_destroy(&value);
         return status_fail(STATUS_USAGE, "--set '%s': '%s' is not a value in libconfig syntax", assignment, equals + 1);
     }

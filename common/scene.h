@@ -10,7 +10,7 @@
 #include "common/config_table.h"
 #include "common/status.h"
 
-enum { SCENE_STAGES_MAX = 64, SCENE_AXES = 3, SCENE_WALLS_MAX = 6 };
+enum { SCENE_STAGES_MAX = 1024, SCENE_AXES = 3, SCENE_WALLS_MAX = 6 };
 
 enum axis { AXIS_X, AXIS_Y, AXIS_Z };
 
@@ -54,14 +54,17 @@ struct scene_axis {
 };
 
 struct scene_stage {
-    char name[CONFIG_STRING_MAX];
+    char name[CONFIG_STRING_MAX]; /* in a group that is repeated with ".1", ".2" ... of its pass */
+    int name_length;              /* without that */
+    int64_t repeat, group_length; /* of a group, on its first stage: passes, stages in each; else 0 */
     double dt_s;
-    double duration_s;         /* its length, or the limit in time when a condition is given */
-    double until_energy_ratio; /* ends when E_kin/E_pot is below this; 0: no condition */
-    double until_stress_error; /* ends when every stress-controlled axis is within this fraction of its target */
-    double min_duration_s;     /* conditions are not looked at before */
-    double sample_interval_s;  /* 0: duration/500 */
-    double frame_interval_s;   /* 0: frames only at frame_strains and at the end of the stage */
+    double duration_s;          /* its length, or the limit in time when a condition is given */
+    double until_energy_ratio;  /* ends when E_kin/E_pot is below this; 0: no condition */
+    double until_stress_error;  /* ends when every stress-controlled axis is within this fraction of its target */
+    double stress_tolerance_pa; /* or this near it */
+    double min_duration_s;      /* conditions are not looked at before */
+    double sample_interval_s;   /* 0: duration/500 */
+    double frame_interval_s;    /* 0: frames only at frame_strains and at the end of the stage */
     struct config_floats frame_strains; /* of the strain-controlled axis, increasing */
     struct scene_material material;
     struct scene_axis axis[SCENE_AXES];
@@ -137,18 +140,19 @@ struct scene {
     int64_t threads;              /* of sim; 0: by the number of particles */
     double checkpoint_interval_s; /* wall-clock */
     int64_t n_stages;
-    struct scene_stage stage[SCENE_STAGES_MAX];
-    char *text; /* the file as read, owned */
+    struct scene_stage *stage; /* [n_stages], owned */
+    char *text;                /* the file as read, owned */
 };
 
 /* Reads a scene file, applies `n_overrides` assignments "path=value", checks it. `scene` is large: allocate it.
- * Errors: STATUS_IO (no such file), STATUS_CONFIG ("file:line: key: what is wrong; what is allowed"). */
+ * Numbers are taken exactly or refused (common/config_literals.h). Errors: STATUS_IO (no such file), STATUS_CONFIG
+ * ("file:line: key: what is wrong; what is allowed"). */
 enum status scene_load(struct scene *scene, const char *path, const char *const *overrides, int n_overrides) MUST_USE;
 
 /* The same from a text, e.g. the effective configuration of a recorded run; `name` stands for the file in errors. */
 enum status scene_parse(struct scene *scene, const char *text, const char *name) MUST_USE;
 
-/* Releases what `scene` owns. */
+/* Releases what `scene` owns; harmless for one that is all zero, or was released. */
 void scene_free(struct scene *scene);
 
 /* Writes the effective configuration: every key with the value in force; scene_parse reads it back to the same scene.

@@ -363,6 +363,28 @@ static void stages_have_whole_steps(void **unused)
     fixture_scene_free(scene);
 }
 
+/* Eight cycles of 0.2 s are 53333.3 steps of 3e-5 s, and 22857.1 of 7e-5 s: the last one ends in the step after. */
+static void cycles_are_whole(void **unused)
+{
+    static const struct {
+        double dt_s, duration_s;
+        int64_t steps;
+    } cases[] = {{2e-5, 1.6, 80000}, {3e-5, 1.6, 53334}, {7e-5, 1.6, 22858}, {3e-5, 1.59999, 53333}, {0.1, 0.6, 6}};
+    struct scene *scene = fixture_scene(2);
+    (void)unused;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        struct wall_state state = fixture_state(4, 1);
+        scene->coupling.interval_steps = 1000000;
+        scene->stage[0].dt_s = cases[k].dt_s;
+        scene->stage[0].duration_s = cases[k].duration_s;
+        scene->stage[0].axis[AXIS_Z] = stress_axis(OPPOSITE_FIXED);
+        scene->stage[0].axis[AXIS_Z].period_s = 0.2;
+        struct wall_command command = answer(scene, &state);
+        assert_int_equal(command.n_steps, cases[k].steps);
+    }
+    fixture_scene_free(scene);
+}
+
 /* A new stage starts its path where the walls are, at time 0, with the velocity they have. */
 static void a_new_stage_starts_where_the_walls_are(void **unused)
 {
@@ -457,6 +479,11 @@ static void stress_condition_looks_at_every_controlled_wall(void **unused)
     state.force_n[Z_HI] = 10.11;
     assert_int_equal(answer(scene, &state).stage, 0);
     state.force_n[Z_HI] = 10;
+    stage->axis[AXIS_Z].pressure_pa = 0; /* a fraction of nothing */
+    state.force_n[Z_HI] = 0.05;
+    assert_int_equal(answer(scene, &state).stage, 0);
+    stage->stress_tolerance_pa = 0.1;
+    assert_int_equal(answer(scene, &state).stage, 1);
     state.kinetic_energy_j = 1; /* all given conditions must hold */
     assert_int_equal(answer(scene, &state).stage, 0);
     fixture_scene_free(scene);
@@ -548,6 +575,7 @@ int main(void)
         cmocka_unit_test(area_is_the_product_of_the_other_lengths),
         cmocka_unit_test(targets_have_their_closed_forms),
         cmocka_unit_test(stages_have_whole_steps),
+        cmocka_unit_test(cycles_are_whole),
         cmocka_unit_test(a_new_stage_starts_where_the_walls_are),
         cmocka_unit_test(energy_condition_ends_a_stage),
         cmocka_unit_test(stress_condition_looks_at_every_controlled_wall),

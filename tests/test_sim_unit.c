@@ -317,7 +317,9 @@ static bool same_scene(const struct scene *a, const struct scene *b)
     memcpy(x, a, sizeof *x);
     memcpy(y, b, sizeof *y);
     x->text = y->text = NULL;
+    x->stage = y->stage = NULL;
     bool same = memcmp(x, y, sizeof *x) == 0;
+    same = same && memcmp(a->stage, b->stage, (size_t)a->n_stages * sizeof *a->stage) == 0;
     free(x);
     free(y);
     return same;

@@ -9,6 +9,8 @@
 
 #include <cmocka.h>
 
+enum { FIXTURE_STAGES = 4 }; /* room for what tests add */
+
 struct scene *fixture_scene(int dimension)
 {
     static const char format[] =
@@ -22,6 +24,8 @@ struct scene *fixture_scene(int dimension)
     snprintf(text, sizeof text, format, dimension);
     if (scene_parse(scene, text, "fixture") != STATUS_OK)
         fail_msg("%s", status_message());
+    scene->stage = realloc(scene->stage, FIXTURE_STAGES * sizeof *scene->stage);
+    assert_non_null(scene->stage);
     return scene;
 }
 

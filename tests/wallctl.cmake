@@ -10,6 +10,11 @@ target_link_libraries(test_law PRIVATE wall_fixture)
 add_test(NAME law COMMAND test_law)
 set_tests_properties(law PROPERTIES LABELS "unit;physics" TIMEOUT 30)
 
+add_executable(test_scene ${CMAKE_CURRENT_LIST_DIR}/test_scene.c)
+target_link_libraries(test_scene PRIVATE shakedown_common PkgConfig::CMOCKA)
+add_test(NAME scene COMMAND test_scene)
+set_tests_properties(scene PROPERTIES LABELS unit TIMEOUT 30)
+
 add_executable(test_bus ${CMAKE_CURRENT_LIST_DIR}/test_bus.c)
 target_link_libraries(test_bus PRIVATE shakedown_common PkgConfig::CMOCKA)
 add_test(NAME bus COMMAND ${IN_NAMESPACE} $<TARGET_FILE:test_bus>)

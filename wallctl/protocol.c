@@ -13,10 +13,23 @@ double walls_area_m2(const struct wall_state *state, int pair)
     return area_m2;
 }
 
+/* Period of the stress cycles of a stage; 0: it has none. */
+static double cycle_period_s(const struct scene_stage *stage)
+{
+    for (int k = 0; k < SCENE_AXES; k++)
+        if (stage->axis[k].mode == WALL_STRESS && stage->axis[k].target == TARGET_COSINE)
+            return stage->axis[k].period_s;
+    return 0;
+}
+
 int64_t protocol_stage_steps(const struct scene_stage *stage)
 {
-    long long steps = llround(stage->duration_s / stage->dt_s);
-    return steps > 1 ? steps : 1;
+    const double rounding = 1e-9, steps = stage->duration_s / stage->dt_s, period_s = cycle_period_s(stage);
+    const double cycles = period_s > 0 ? round(stage->duration_s / period_s) : 0;
+    /* a last cycle that is meant to be whole is, if the time step does not divide it, by part of a step more */
+    const bool whole = cycles >= 1 && fabs(cycles * period_s - stage->duration_s) <= rounding * stage->duration_s;
+    const double count = whole ? ceil(steps * (1 - rounding)) : round(steps);
+    return count > 1 ? (int64_t)count : 1;
 }
 
 static bool energy_ratio_met(const struct scene_stage *stage, const struct wall_state *state)
@@ -26,9 +39,10 @@ static bool energy_ratio_met(const struct scene_stage *stage, const struct wall_
            state->kinetic_energy_j < stage->until_energy_ratio * state->elastic_energy_j;
 }
 
-static bool stress_near(double force_n, double area_m2, double target_pa, double tolerance)
+static bool stress_near(const struct scene_stage *stage, double force_n, double area_m2, double target_pa)
 {
-    return fabs(force_n / area_m2 - target_pa) <= tolerance * fabs(target_pa);
+    double tolerance_pa = fmax(stage->until_stress_error * fabs(target_pa), stage->stress_tolerance_pa);
+    return fabs(force_n / area_m2 - target_pa) <= tolerance_pa;
 }
 
 /* Whether every stress-controlled wall is near its target; a stage without such walls never meets the condition. */
@@ -44,10 +58,9 @@ static bool stress_error_met(const struct scene *scene, const struct scene_stage
             continue;
         if (axis->opposite == OPPOSITE_MIRROR)
             hi_n = 0.5 * (lo_n + hi_n);
-        if (!stress_near(hi_n, area_m2, wallctl_target_pressure_pa(axis, t_s), stage->until_stress_error))
+        if (!stress_near(stage, hi_n, area_m2, wallctl_target_pressure_pa(axis, t_s)))
             return false;
-        if (axis->opposite == OPPOSITE_CONSTANT &&
-            !stress_near(lo_n, area_m2, axis->pressure_pa, stage->until_stress_error))
+        if (axis->opposite == OPPOSITE_CONSTANT && !stress_near(stage, lo_n, area_m2, axis->pressure_pa))
             return false;
         controlled++;
     }

@@ -18,7 +18,8 @@ struct moment {
 /* The moment at which `state` (already checked) stands: in its stage, or at the start of the next if it is over. */
 struct moment protocol_moment(const struct scene *scene, const struct wall_state *state);
 
-/* Steps of a stage that no condition ends, duration_s/dt_s rounded, at least 1. */
+/* Steps of a stage that no condition ends: duration_s/dt_s rounded, at least 1; rounded up where duration_s is a whole
+ * number of stress cycles, so that none is cut short. */
 int64_t protocol_stage_steps(const struct scene_stage *stage);
 
 /* Area [m^2] of the walls of a pair: the product of the other box lengths; 2D has a depth of 1 m. */

@@ -1,0 +1,20 @@
+/* Checks between the keys of a scene. Internal to common/scene*.c. STATUS_CONFIG with file, line, key, what is wrong
+ * and what is allowed. */
+#ifndef SHAKEDOWN_COMMON_SCENE_CHECK_H
+#define SHAKEDOWN_COMMON_SCENE_CHECK_H
+
+#include <libconfig.h>
+
+#include "common/scene.h"
+
+enum status scene_check_sample(const struct scene_sample *sample, const config_setting_t *at) MUST_USE;
+
+/* One stage as read from `at`, under the path `where`; `root`: of the scene, whose material and walls it takes over. */
+enum status scene_check_stage(const struct scene *scene, const struct scene_stage *stage, const config_setting_t *root,
+                              const config_setting_t *at, const char *where) MUST_USE;
+
+/* Stage `index` against those before it: two must not write one checkpoint. */
+enum status scene_check_name(const struct scene *scene, int64_t index, const config_setting_t *at,
+                             const char *where) MUST_USE;
+
+#endif

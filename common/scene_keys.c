@@ -1,0 +1,223 @@
+#include "common/scene_keys.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/scene.h"
+
+#define OF(type, member) offsetof(struct type, member)
+
+static const char *const law_names[] = {"linear", "hysteretic", NULL};
+static const char *const mode_names[] = {"fixed", "strain", "stress", NULL};
+static const char *const opposite_names[] = {"fixed", "mirror", "constant", NULL};
+static const char *const target_names[] = {"constant", "ramp", "cosine", NULL};
+static const char *const radius_names[] = {"uniform", "gaussian", NULL};
+static const char *const initial_names[] = {"lattice", "random", "checkpoint", NULL};
+static const char *const scheme_names[] = {"hold", "jacobian", "pipelined", "adaptive", "impedance", NULL};
+static const char *const precision_names[] = {"double", "mixed", NULL};
+static const char *const strain_names[] = {"engineering", "logarithmic", NULL};
+static const char *const walls_names[] = {"sampled", "full", NULL};
+
+static const struct key material_keys[] = {
+    {"law", KEY_CHOICE, OF(scene_material, law), NULL, 0, 0, "linear", law_names, NULL,
+     "normal contact law: linear spring [D eq. 1] or linear hysteretic with cohesion [LH eq. 1.6]"},
+    {"kn_n_per_m", KEY_FLOAT, OF(scene_material, kn_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
+     "stiffness k of the linear law"},
+    {"k1_n_per_m", KEY_FLOAT, OF(scene_material, k1_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
+     "loading stiffness of the hysteretic law"},
+    {"k2_n_per_m", KEY_FLOAT, OF(scene_material, k2_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
+     "un- and reloading stiffness of the hysteretic law"},
+    {"kc_n_per_m", KEY_FLOAT, OF(scene_material, kc_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
+     "slope of the adhesion branch of the hysteretic law"},
+    {"gamma_n_kg_per_s", KEY_FLOAT, OF(scene_material, gamma_n_kg_per_s), "kg/s", 0, INFINITY, "0", NULL, NULL,
+     "normal dissipation gamma_0"},
+    {"mu_s", KEY_FLOAT, OF(scene_material, mu_s), NULL, 0, 100, "0", NULL, NULL,
+     "static friction coefficient; 0 in all stages: no friction and no rotation are modelled"},
+    {"mu_d", KEY_FLOAT, OF(scene_material, mu_d), NULL, -1, 100, "-1", NULL, NULL,
+     "dynamic friction coefficient, at most mu_s; -1: equal to mu_s"},
+    {"wall_friction", KEY_FLOAT, OF(scene_material, wall_friction), NULL, 0, 100, "1", NULL, NULL,
+     "mu_s and mu_d of particles on walls over those between particles; 0: smooth walls"},
+    {"kt_n_per_m", KEY_FLOAT, OF(scene_material, kt_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
+     "tangential stiffness"},
+    {"gamma_t_kg_per_s", KEY_FLOAT, OF(scene_material, gamma_t_kg_per_s), "kg/s", 0, INFINITY, "0", NULL, NULL,
+     "tangential dissipation"},
+    {"gamma_b_kg_per_s", KEY_FLOAT, OF(scene_material, gamma_b_kg_per_s), "kg/s", 0, INFINITY, "0", NULL, NULL,
+     "background damping: force -gamma_b v on every particle"},
+    {"gamma_br_kg_per_s", KEY_FLOAT, OF(scene_material, gamma_br_kg_per_s), "kg/s", 0, INFINITY, "0", NULL, NULL,
+     "background damping of rotation: torque -gamma_br a^2 omega (a^2 is our reading of [D])"},
+    {0}};
+
+static const struct key axis_keys[] = {
+    {"mode", KEY_CHOICE, OF(scene_axis, mode), NULL, 0, 0, "fixed", mode_names, NULL,
+     "what moves the upper wall: nothing, a strain path [LH eq. 1.1], or a pressure [LH eq. 1.2]"},
+    {"opposite", KEY_CHOICE, OF(scene_axis, opposite), NULL, 0, 0, "mirror", opposite_names, NULL,
+     "the lower wall: fixed; mirror image of the upper (both driven by the mean force); or stress controlled at the "
+     "constant pressure_pa"},
+    {"strain", KEY_FLOAT, OF(scene_axis, strain), NULL, -10, 0.95, "0", NULL, NULL,
+     "strain control: strain at the end, z_f = z_0 (1 - strain)"},
+    {"frequency_hz", KEY_FLOAT, OF(scene_axis, frequency_hz), "1/s", 0, INFINITY, "0", NULL, NULL,
+     "strain control: f; the motion takes 1/(2f), then the wall rests"},
+    {"target", KEY_CHOICE, OF(scene_axis, target), NULL, 0, 0, "constant", target_names, NULL,
+     "stress control: constant pressure_pa; ramp to pressure_end_pa in ramp_s; or cycles pressure_pa + amplitude_pa/2 "
+     "(1 - cos(2 pi t/period_s))"},
+    {"pressure_pa", KEY_FLOAT, OF(scene_axis, pressure_pa), "N/m^2", -INFINITY, INFINITY, "0", NULL, NULL,
+     "stress control: the target, compression positive (2D: force per side length, depth 1 m)"},
+    {"pressure_end_pa", KEY_FLOAT, OF(scene_axis, pressure_end_pa), "N/m^2", -INFINITY, INFINITY, "0", NULL, NULL,
+     "end of a ramp"},
+    {"ramp_s", KEY_FLOAT, OF(scene_axis, ramp_s), "s", 0, INFINITY, "0", NULL, NULL, "length of a ramp"},
+    {"amplitude_pa", KEY_FLOAT, OF(scene_axis, amplitude_pa), "N/m^2", -INFINITY, INFINITY, "0", NULL, NULL,
+     "cycles: peak to peak, delta sigma"},
+    {"period_s", KEY_FLOAT, OF(scene_axis, period_s), "s", 0, INFINITY, "0", NULL, NULL, "cycles: period t0"},
+    {"mass_kg", KEY_FLOAT, OF(scene_axis, mass_kg), "kg", 0, INFINITY, "0", NULL, NULL,
+     "stress control: mass m_x of the wall"},
+    {"damping_kg_per_s", KEY_FLOAT, OF(scene_axis, damping_kg_per_s), "kg/s", 0, INFINITY, "0", NULL, NULL,
+     "stress control: damping gamma_x of the wall; mass and damping must not both be 0"},
+    {0}};
+
+#define WALLS_OF(type)                                                                                                 \
+    {                                                                                                                  \
+        {"x", KEY_GROUP, OF(type, axis[AXIS_X]), NULL, 0, 0, NULL, NULL, axis_keys, "lateral walls"},                  \
+            {"y", KEY_GROUP, OF(type, axis[AXIS_Y]), NULL, 0, 0, NULL, NULL, axis_keys, "lateral walls, 3D only"},     \
+            {"z", KEY_GROUP, OF(type, axis[AXIS_Z]), NULL, 0, 0, NULL, NULL, axis_keys, "axial walls"},                \
+        {                                                                                                              \
+            0                                                                                                          \
+        }                                                                                                              \
+    }
+static const struct key scene_walls_keys[] = WALLS_OF(scene);
+static const struct key stage_walls_keys[] = WALLS_OF(scene_stage);
+
+const struct key scene_stage_keys[] = {
+    {"name", KEY_STRING, OF(scene_stage, name), NULL, 0, 0, NULL, NULL, NULL,
+     "name of the stage, its own: its checkpoint is checkpoint-NAME.h5"},
+    {"dt_s", KEY_FLOAT, OF(scene_stage, dt_s), "s", 1e-12, 1, NULL, NULL, NULL, "time step"},
+    {"duration_s", KEY_FLOAT, OF(scene_stage, duration_s), "s", 0, INFINITY, NULL, NULL, NULL,
+     "length of the stage; with a condition, the limit in time"},
+    {"until_energy_ratio", KEY_FLOAT, OF(scene_stage, until_energy_ratio), NULL, 0, INFINITY, "0", NULL, NULL,
+     "condition: the stage ends when E_kin/E_pot is below this; 0: none"},
+    {"until_stress_error", KEY_FLOAT, OF(scene_stage, until_stress_error), NULL, 0, INFINITY, "0", NULL, NULL,
+     "condition: the stage ends when each stress-controlled axis is within this fraction of its target; 0: none"},
+    {"stress_tolerance_pa", KEY_FLOAT, OF(scene_stage, stress_tolerance_pa), "N/m^2", 0, INFINITY, "0", NULL, NULL,
+     "until_stress_error: an axis this near its target is near enough, however small the target"},
+    {"min_duration_s", KEY_FLOAT, OF(scene_stage, min_duration_s), "s", 0, INFINITY, "0", NULL, NULL,
+     "conditions are not looked at before"},
+    {"sample_interval_s", KEY_FLOAT, OF(scene_stage, sample_interval_s), "s", 0, INFINITY, "0", NULL, NULL,
+     "time between samples; 0: duration_s/500"},
+    {"frame_interval_s", KEY_FLOAT, OF(scene_stage, frame_interval_s), "s", 0, INFINITY, "0", NULL, NULL,
+     "time between frames of particles and contacts; 0: only at frame_strains and at the end of the stage"},
+    {"frame_strains", KEY_FLOATS, OF(scene_stage, frame_strains), NULL, -10, 0.95, "", NULL, NULL,
+     "strains of the strain-controlled axis at which frames are recorded, in the order they are passed"},
+    {"material", KEY_GROUP, OF(scene_stage, material), NULL, 0, 0, NULL, NULL, material_keys, ""},
+    {"walls", KEY_GROUP, 0, NULL, 0, 0, NULL, NULL, stage_walls_keys, ""},
+    {0}};
+
+static const struct key sample_keys[] = {
+    {"count", KEY_INT, OF(scene_sample, count), NULL, 1, 10000000, NULL, NULL, NULL, "number of particles N"},
+    {"radius_distribution", KEY_CHOICE, OF(scene_sample, radius_distribution), NULL, 0, 0, "uniform", radius_names,
+     NULL, "uniform in [radius_min_m, radius_max_m], or gaussian cut to that interval"},
+    {"radius_min_m", KEY_FLOAT, OF(scene_sample, radius_min_m), "m", 1e-9, 1e3, NULL, NULL, NULL, "smallest radius"},
+    {"radius_max_m", KEY_FLOAT, OF(scene_sample, radius_max_m), "m", 1e-9, 1e3, NULL, NULL, NULL, "largest radius"},
+    {"radius_mean_m", KEY_FLOAT, OF(scene_sample, radius_mean_m), "m", 0, 1e3, "0", NULL, NULL, "gaussian: mean"},
+    {"radius_sd_m", KEY_FLOAT, OF(scene_sample, radius_sd_m), "m", 0, 1e3, "0", NULL, NULL,
+     "gaussian: standard deviation before cutting"},
+    {"density_kg_per_m3", KEY_FLOAT, OF(scene_sample, density_kg_per_m3), "kg/m^3", 1e-6, 1e6, NULL, NULL, NULL,
+     "density; the mass is a sphere's in 2D too [LH, D]"},
+    {"initial", KEY_CHOICE, OF(scene_sample, initial), NULL, 0, 0, "lattice", initial_names, NULL,
+     "lattice without overlap; random without overlap; or the final state of another run"},
+    {"checkpoint", KEY_STRING, OF(scene_sample, checkpoint), NULL, 0, 0, "", NULL, NULL,
+     "initial = \"checkpoint\": path of checkpoint.h5, relative to the scene file"},
+    {"gap_ratio", KEY_FLOAT, OF(scene_sample, gap_ratio), NULL, 0, 100, "0.01", NULL, NULL,
+     "lattice: its spacing is 2 radius_max_m (1 + gap_ratio)"},
+    {"solid_fraction", KEY_FLOAT, OF(scene_sample, solid_fraction), NULL, 1e-6, 0.6, "0.3", NULL, NULL,
+     "random: solid fraction of the starting box"},
+    {"aspect_ratio", KEY_FLOAT, OF(scene_sample, aspect_ratio), NULL, 1e-3, 1e3, "1", NULL, NULL,
+     "starting box: height (z) over width (x; y = x)"},
+    {"speed_m_per_s", KEY_FLOAT, OF(scene_sample, speed_m_per_s), "m/s", 0, 1e3, "0", NULL, NULL,
+     "starting velocities: each component uniform in [-speed, speed]"},
+    {0}};
+
+static const struct key coupling_keys[] = {
+    {"scheme", KEY_CHOICE, OF(scene_coupling, scheme), NULL, 0, 0, "hold", scheme_names, NULL,
+     "how wallctl answers forces between exchanges: docs/coupling.md; all are the exact loop at an interval of 1 "
+     "(pipelined: with a delay of one)"},
+    {"interval_steps", KEY_INT, OF(scene_coupling, interval_steps), "steps", 1, 1000000, "1", NULL, NULL,
+     "exchange interval n; 1 is exact; adaptive: the longest"},
+    {"tolerance", KEY_FLOAT, OF(scene_coupling, tolerance), NULL, 1e-9, 1, "1e-3", NULL, NULL,
+     "adaptive: energy mismatch at the walls over their work, wanted in each interval"},
+    {"busy_poll", KEY_BOOL, OF(scene_coupling, busy_poll), NULL, 0, 0, "false", NULL, NULL,
+     "sim and wallctl wait for each other without sleeping: shorter waits, but a core each is always busy"},
+    {"timeout_s", KEY_FLOAT, OF(scene_coupling, timeout_s), "s", 0.1, 86400, "30", NULL, NULL,
+     "sim gives up after this long without an answer from wallctl or the recorder"},
+    {0}};
+
+static const struct key record_keys[] = {{"walls", KEY_CHOICE, OF(scene_record, walls), NULL, 0, 0, "sampled",
+                                          walls_names, NULL, "wall states: with every sample, or each exchange"},
+                                         {"event_log", KEY_BOOL, OF(scene_record, event_log), NULL, 0, 0, "false", NULL,
+                                          NULL, "keep the raw messages as run.lcm, for lcm-logplayer and replays"},
+                                         {0}};
+
+static const struct key neighbor_keys[] = {
+    {"skin_ratio", KEY_FLOAT, OF(scene_neighbor, skin_ratio), NULL, 0, 10, "0", NULL, NULL,
+     "skin of the Verlet list over the mean radius: speed, and the order in which forces are summed up; 0: tuned while "
+     "running"},
+    {"renumber_steps", KEY_INT, OF(scene_neighbor, renumber_steps), NULL, -1, 9e15, "-1", NULL, NULL,
+     "particles are put into an order every so many steps, from neighbour to neighbour (forces are then summed in "
+     "another order); 0: never; -1: 4096 from 1000 particles on. Ids in records stay"},
+    {0}};
+
+static const struct key analysis_keys[] = {
+    {"stage", KEY_STRING, OF(scene_analysis, stage), NULL, 0, 0, "", NULL, NULL,
+     "name of the stage to evaluate; empty: the last one"},
+    {"strain", KEY_CHOICE, OF(scene_analysis, strain), NULL, 0, 0, "engineering", strain_names, NULL,
+     "measure of the strains in the report, in its windows and plots: 1 - L/L0 and 1 - V/V0, or -ln(L/L0) and "
+     "-ln(V/V0); slopes are always those of logarithmic strains"},
+    {"modulus_strain", KEY_FLOAT, OF(scene_analysis, modulus_strain), NULL, 1e-9, 1, "0.001", NULL, NULL,
+     "window of the initial slopes: axial strain from 0 to this"},
+    {"residual_strain", KEY_FLOAT, OF(scene_analysis, residual_strain), NULL, 0, 1, "0.005", NULL, NULL,
+     "window of residual stress and critical state: this last part of the axial strain"},
+    {"dilatancy_min_strain", KEY_FLOAT, OF(scene_analysis, dilatancy_min_strain), NULL, 0, 1, "0.01", NULL, NULL,
+     "window of the dilatancy slope: from"},
+    {"dilatancy_max_strain", KEY_FLOAT, OF(scene_analysis, dilatancy_max_strain), NULL, 0, 1, "0", NULL, NULL,
+     "to; 0: the end of the stage"},
+    {0}};
+
+const struct key scene_keys[] = {
+    {"name", KEY_STRING, OF(scene, name), NULL, 0, 0, "", NULL, NULL, "title of the scene"},
+    {"dimension", KEY_INT, OF(scene, dimension), NULL, 2, 3, NULL, NULL, NULL,
+     "2: biaxial box in x, z (depth 1 m); 3: triaxial box"},
+    {"seed", KEY_INT, OF(scene, seed), NULL, 0, 9e15, "1", NULL, NULL, "seed of radii, order and velocities"},
+    {"precision", KEY_CHOICE, OF(scene, precision), NULL, 0, 0, "double", precision_names, NULL,
+     "of contacts; mixed: in float, from positions relative to where lists were built; forces off by 2e-7, faster. "
+     "The ledger is double in either, the state keeps at least as many digits (docs/theory.md)"},
+    {"gravity_m_per_s2", KEY_FLOATS, OF(scene, gravity_m_per_s2), "m/s^2", -1e6, 1e6, "", NULL, NULL,
+     "[x, y, z]; empty: none"},
+    {"checkpoint_interval_s", KEY_FLOAT, OF(scene, checkpoint_interval_s), "s", 0, INFINITY, "0", NULL, NULL,
+     "wall-clock time between checkpoints; 0: none but at stage ends"},
+    {"threads", KEY_INT, OF(scene, threads), NULL, 0, 256, "0", NULL, NULL,
+     "threads of sim: speed only, never the result; 0: one below 10000 particles, else as many as there are CPUs"},
+    {"sample", KEY_GROUP, OF(scene, sample), NULL, 0, 0, NULL, NULL, sample_keys, ""},
+    {"material", KEY_GROUP, OF(scene, material), NULL, 0, 0, NULL, NULL, material_keys, ""},
+    {"walls", KEY_GROUP, 0, NULL, 0, 0, NULL, NULL, scene_walls_keys, ""},
+    {"coupling", KEY_GROUP, OF(scene, coupling), NULL, 0, 0, NULL, NULL, coupling_keys, ""},
+    {"record", KEY_GROUP, OF(scene, record), NULL, 0, 0, NULL, NULL, record_keys, ""},
+    {"neighbor", KEY_GROUP, OF(scene, neighbor), NULL, 0, 0, NULL, NULL, neighbor_keys, ""},
+    {"analysis", KEY_GROUP, OF(scene, analysis), NULL, 0, 0, NULL, NULL, analysis_keys, ""},
+    {0}};
+
+const struct key scene_group_keys[] = {{"repeat", KEY_INT, OF(scene_group, repeat), NULL, 1, SCENE_STAGES_MAX, NULL,
+                                        NULL, NULL, "how often the stages of the group are run, one after the other"},
+                                       {0}};
+
+void scene_stage_start(const struct scene *scene, struct scene_stage *stage)
+{
+    config_defaults(scene_stage_keys, stage);
+    stage->material = scene->material;
+    memcpy(stage->axis, scene->axis, sizeof stage->axis);
+}
+
+void scene_stage_complete(struct scene_stage *stage)
+{
+    if (stage->material.mu_d < 0)
+        stage->material.mu_d = stage->material.mu_s;
+    if (stage->sample_interval_s <= 0)
+        stage->sample_interval_s = stage->duration_s / 500;
+}

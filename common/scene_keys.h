@@ -1,0 +1,22 @@
+/* The tables of a scene's keys. Internal to common/scene*.c. */
+#ifndef SHAKEDOWN_COMMON_SCENE_KEYS_H
+#define SHAKEDOWN_COMMON_SCENE_KEYS_H
+
+#include "common/config_table.h"
+
+/* A group of stages in the list: { repeat = N; stages = ( ... ); } */
+struct scene_group {
+    int64_t repeat;
+};
+
+/* What a stage has before its own keys are read, and what follows from those. */
+struct scene;
+struct scene_stage;
+void scene_stage_start(const struct scene *scene, struct scene_stage *stage);
+void scene_stage_complete(struct scene_stage *stage);
+
+extern const struct key scene_keys[];       /* struct scene */
+extern const struct key scene_stage_keys[]; /* struct scene_stage */
+extern const struct key scene_group_keys[]; /* struct scene_group */
+
+#endif

@@ -1,0 +1,62 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/scene.h"
+#include "common/scene_keys.h"
+
+static void stage_print(FILE *out, const struct scene_stage *stage, bool more)
+{
+    struct scene_stage named = *stage;
+    named.name[named.name_length] = '\0';
+    fprintf(out, "  {\n");
+    config_print(out, scene_stage_keys, &named, 4);
+    fprintf(out, "  }%s\n", more ? "," : "");
+}
+
+static void group_print(FILE *out, const struct scene_stage *first, bool more)
+{
+    fprintf(out, "  {\n    repeat = %lldL;\n    stages = (\n", (long long)first->repeat);
+    for (int64_t k = 0; k < first->group_length; k++)
+        stage_print(out, first + k, k + 1 < first->group_length);
+    fprintf(out, "    );\n  }%s\n", more ? "," : "");
+}
+
+void scene_print(FILE *out, const struct scene *scene)
+{
+    config_print(out, scene_keys, scene, 0);
+    fprintf(out, "stages = (\n");
+    for (int64_t k = 0; k < scene->n_stages;) {
+        const struct scene_stage *first = &scene->stage[k];
+        if (first->repeat > 0) {
+            const int64_t next = k + first->repeat * first->group_length;
+            group_print(out, first, next < scene->n_stages);
+            k = next;
+        } else {
+            stage_print(out, first, ++k < scene->n_stages);
+        }
+    }
+    fprintf(out, ");\n");
+}
+
+void scene_print_reference(FILE *out)
+{
+    static const char header[] = "| key | allowed | default | meaning |\n|---|---|---|---|\n";
+    fprintf(
+        out,
+        "# Scene reference\n\nMade by `sim --reference` from the table of keys in `common/scene.c`: do not edit.\n\n"
+        "A scene is a libconfig file, at most 24 kB. An unknown key is an error. Integers are taken where a number is "
+        "asked for; a number that cannot be held is refused. `@include` is not taken. "
+        "Compression is positive in stress and strain.\nSources: [LH] Luding & Herrmann (2001), [D] David et al. "
+        "(2007), see `theory.md`.\n\n## Scene\n\n`material` and `walls` hold for every stage that does not say "
+        "otherwise.\n\n%s",
+        header);
+    config_print_reference(out, scene_keys, "");
+    fprintf(
+        out,
+        "\n## Stages\n\n`stages = ( { ... }, { ... } )`, run in order. A stage takes its `material` and `walls` from "
+        "the scene and overrides key by key. A member of the list may be a group of stages, run `repeat` times: "
+        "`{ repeat = 20; stages = ( { ... }, { ... } ); }`; the stages of its passes are called NAME.1, NAME.2, … "
+        "At most %d stages in all.\n\n%s",
+        SCENE_STAGES_MAX, header);
+    config_print_reference(out, scene_stage_keys, "");
+}

@@ -1,0 +1,108 @@
+/* Scene files: numbers as they are written, groups of stages, and the way back from the effective configuration. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/config_literals.h"
+#include "common/scene.h"
+
+static const char head[] =
+    "dimension = 2;\n"
+    "sample = { count = 1; radius_min_m = 1e-3; radius_max_m = 1e-3; density_kg_per_m3 = 2000; };\n"
+    "material = { kn_n_per_m = 1e5; };\n";
+
+static struct scene *parsed(const char *text)
+{
+    struct scene *scene = calloc(1, sizeof *scene);
+    assert_non_null(scene);
+    if (scene_parse(scene, text, "text") != STATUS_OK)
+        fail_msg("%s", status_message());
+    return scene;
+}
+
+static struct scene *with_head(const char *rest)
+{
+    char text[4096];
+    assert_true(snprintf(text, sizeof text, "%s%s", head, rest) < (int)sizeof text);
+    return parsed(text);
+}
+
+static void dispose(struct scene *scene)
+{
+    scene_free(scene);
+    free(scene);
+}
+
+static void numbers_are_taken_exactly(void **unused)
+{
+    static const struct {
+        const char *written, *read;
+    } cases[] = {
+        {"a = 5000000000;", "a = 5000000000L;"},
+        {"a = -2147483649;", "a = -2147483649L;"},
+        {"a = 2147483647;", "a = 2147483647;"},
+        {"a = 9223372036854775807L;", "a = 9223372036854775807L;"},
+        {"a = 0xFFFFFFFF;", "a = 4294967295L;"},
+        {"a = [1, 2.5, 5000000000];", "a = [1.0, 2.5, 5000000000.0];"},
+        {"a = (1, 2.5);", "a = (1, 2.5);"},
+        {"a1e999 = 1e-3; // 1e999\n# 5000000000\n/* . */ b = \"\\\" 1e999\";",
+         "a1e999 = 1e-3; // 1e999\n# 5000000000\n/* . */ b = \"\\\" 1e999\";"},
+    };
+    (void)unused;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char *checked;
+        assert_int_equal(config_literals(cases[k].written, "text", &checked), STATUS_OK);
+        assert_string_equal(checked, cases[k].read);
+        free(checked);
+    }
+    struct scene *scene = with_head("seed = 3000000000;"
+                                    "stages = ( { name = \"a\"; dt_s = 1e-6; duration_s = 3000000000e-9;"
+                                    " material = { kn_n_per_m = 5000000000; }; } );");
+    assert_true(scene->seed == 3000000000);
+    assert_true(scene->stage[0].material.kn_n_per_m == 5e9);
+    dispose(scene);
+}
+
+static void groups_are_repeated(void **unused)
+{
+    static const char *const names[] = {"start", "up.1", "down.1", "up.2", "down.2", "up.3", "down.3", "end"};
+    struct scene *scene = with_head("stages = ( { name = \"start\"; dt_s = 1e-6; duration_s = 1e-3; },\n"
+                                    "{ repeat = 3; stages = (\n"
+                                    "  { name = \"up\"; dt_s = 1e-6; duration_s = 2e-3; },\n"
+                                    "  { name = \"down\"; dt_s = 2e-6; duration_s = 4e-3; } ); },\n"
+                                    "{ name = \"end\"; dt_s = 1e-6; duration_s = 8e-3; } );");
+    (void)unused;
+    assert_int_equal(scene->n_stages, 8);
+    for (int k = 0; k < 8; k++) {
+        assert_string_equal(scene->stage[k].name, names[k]);
+        assert_int_equal(scene_stage_find(scene, names[k]), k);
+    }
+    assert_true(scene->stage[6].dt_s == 2e-6 && scene->stage[5].duration_s == 2e-3);
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    scene_print(out, scene);
+    assert_int_equal(fclose(out), 0);
+    struct scene *again = parsed(text);
+    assert_int_equal(again->n_stages, 8);
+    assert_memory_equal(again->stage, scene->stage, 8 * sizeof *scene->stage);
+    free(text);
+    dispose(again);
+    dispose(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_are_taken_exactly),
+        cmocka_unit_test(groups_are_repeated),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
