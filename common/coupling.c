@@ -1,6 +1,5 @@
 #include "common/coupling.h"
 
-#include <limits.h>
 #include <string.h>
 
 #include "shakedown_wall_command_t.h"
@@ -121,37 +120,31 @@ bool wall_command_from_message(const struct _shakedown_wall_command_t *message, 
     return true;
 }
 
-/* Reads the header (zero if there is none) and checks that the size belongs to 4 or 6 walls. */
-static bool message_fits(const void *data, size_t size, size_t empty_bytes, size_t wall_bytes,
-                         struct message_header *header)
+/* Decodes; false, with the header if it can be read (else zero), if the bytes are no such message. */
+static bool wall_message_decode(int kind, const void *data, size_t size, struct message_header *header,
+                                union message *message)
 {
-    int32_t n_walls = 0;
     memset(header, 0, sizeof *header);
-    return size <= INT_MAX && message_header_read(data, size, header) &&
-           message_count_read(data, size, empty_bytes, wall_bytes, 0, &n_walls) && wall_count_fits(n_walls);
+    return message_header_read(data, size, header) && message_decode(kind, data, size, message) == STATUS_OK;
 }
 
 bool wall_state_decode(const void *data, size_t size, struct message_header *header, struct wall_state *state)
 {
-    shakedown_wall_state_t message = {0};
-    size_t empty_bytes = (size_t)shakedown_wall_state_t_encoded_size(&message);
-    if (!message_fits(data, size, empty_bytes, WALL_STATE_ARRAYS * sizeof(double), header))
+    union message message;
+    if (!wall_message_decode(MESSAGE_WALL_STATE, data, size, header, &message))
         return false;
-    bool fits =
-        shakedown_wall_state_t_decode(data, 0, (int)size, &message) >= 0 && wall_state_from_message(&message, state);
-    shakedown_wall_state_t_decode_cleanup(&message);
+    bool fits = wall_state_from_message(&message.wall_state, state);
+    message_free(MESSAGE_WALL_STATE, &message);
     return fits;
 }
 
 bool wall_command_decode(const void *data, size_t size, struct message_header *header, struct wall_command *command)
 {
-    shakedown_wall_command_t message = {0};
-    size_t empty_bytes = (size_t)shakedown_wall_command_t_encoded_size(&message);
-    if (!message_fits(data, size, empty_bytes, WALL_COMMAND_ARRAYS * sizeof(double) + sizeof(int32_t), header))
+    union message message;
+    if (!wall_message_decode(MESSAGE_WALL_COMMAND, data, size, header, &message))
         return false;
-    bool fits = shakedown_wall_command_t_decode(data, 0, (int)size, &message) >= 0 &&
-                wall_command_from_message(&message, command);
-    shakedown_wall_command_t_decode_cleanup(&message);
+    bool fits = wall_command_from_message(&message.wall_command, command);
+    message_free(MESSAGE_WALL_COMMAND, &message);
     return fits;
 }
 

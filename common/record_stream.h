@@ -1,4 +1,6 @@
-/* Sender's side of the record stream (lcmtypes/CHANNELS.md): ordered, windowed, sent again until acknowledged. */
+/* Sender's side of the record stream (lcmtypes/CHANNELS.md): windowed, what is lost is sent again (selective repeat
+ * with a measured round trip) until acknowledged. All waits end by silence of the recorder: STATUS_TIMEOUT after
+ * timeout_s without an acknowledgement, or after 3 s (0.5 s) once the run was asked to stop (twice). */
 #ifndef SHAKEDOWN_COMMON_RECORD_STREAM_H
 #define SHAKEDOWN_COMMON_RECORD_STREAM_H
 
@@ -6,7 +8,7 @@
 
 struct record_stream;
 
-/* `bus` must outlive the stream; timeout_s: longest wait for an acknowledgement before STATUS_TIMEOUT. On a log
+/* `bus` must outlive the stream; timeout_s: longest silence. On a log
  * (bus->is_log) records are written at once and nothing is waited for. */
 enum status record_stream_create(struct record_stream **stream, struct bus *bus, int64_t run_id,
                                  double timeout_s) MUST_USE;
@@ -19,8 +21,8 @@ void record_stream_resume(struct record_stream *stream, const int64_t total[RECO
 /* The seq the next record on this channel must carry. */
 int64_t record_stream_next_seq(const struct record_stream *stream, enum record_channel channel);
 
-/* Queues a copy of the encoded record and sends it when the window allows. Blocks only while more than 64 MB wait,
- * and then at most timeout_s. STATUS_IO if the recorder said that it cannot write. */
+/* Queues a copy of the encoded record and sends it when the window allows. Blocks only while more than 64 MB wait.
+ * STATUS_IO if the recorder said that it cannot write. */
 enum status record_stream_publish(struct record_stream *stream, enum record_channel channel, const void *data,
                                   size_t size) MUST_USE;
 
@@ -28,15 +30,14 @@ enum status record_stream_publish(struct record_stream *stream, enum record_chan
 enum status record_stream_service(struct record_stream *stream) MUST_USE;
 
 /* For wall messages that are to be recorded: they go to the recorder as they go to whom they are for. Before those
- * number `seq` do, waits until the recorder has all but the last WALLS_WINDOW, so that its socket does not overflow; at
- * most timeout_s. */
+ * number `seq` do, waits until the recorder has all but the last WALLS_WINDOW, so that its socket does not overflow. */
 enum status record_stream_wait_for_walls(struct record_stream *stream, int64_t seq) MUST_USE;
 
 /* Keeps a copy of one that goes out or has come (size at most WALL_MESSAGE_MAX), first the state, then the command, to
  * be sent again like a record if the recorder does not acknowledge the exchange. */
 void record_stream_keep_wall(struct record_stream *stream, bool command, int64_t seq, const void *data, size_t size);
 
-/* Waits until everything is acknowledged (for END: until `complete`), at most timeout_s. */
+/* Waits until everything is acknowledged (for END: until `complete`). */
 enum status record_stream_flush(struct record_stream *stream) MUST_USE;
 
 int64_t record_stream_total(const struct record_stream *stream, enum record_channel channel); /* records published */

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "recorder/messages.h"
+#include "common/message.h"
 
 /* What RUN_INFO fixes for all other records. */
 struct run_facts {

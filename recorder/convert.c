@@ -26,7 +26,7 @@ static enum status take_events(struct recording *recording, struct event_reader 
     while (found) {
         enum recording_answer answer;
         int kind = message_kind(event.channel);
-        if (kind >= 0)
+        if (kind >= 0 && kind < MESSAGE_LOGGED_KINDS)
             TRY(recording_take(recording, kind, event.data, event.size, &answer));
         TRY(flush_now_and_then(recording, &flush_at_s));
         TRY(event_reader_next(reader, &event, &found));

@@ -1,6 +1,6 @@
 #include "recorder/fields.h"
 
-#include "recorder/messages.h"
+#include "common/message.h"
 
 #define FIELD(struct_, name, type, width, unit)                                                                        \
     {                                                                                                                  \

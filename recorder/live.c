@@ -2,13 +2,17 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <sys/types.h>
+#include <unistd.h>
 
 #include "common/signals.h"
 
 /* How the sender is told (lcmtypes/CHANNELS.md), and how the end is kept: END comes again every 100 ms until the sender
  * knows that the run is complete, so three silent rounds mean that it does. */
-enum { ACK_EVERY_RECORDS = 8, ACK_EVERY_WALLS = 16, WAIT_MS = 10 };
+enum { ACK_EVERY_RECORDS = 8, ACK_EVERY_WALLS = 16, WAIT_MS = 10, SETTLE_MS = 1 };
 static const double ACK_EVERY_S = 0.05, FLUSH_EVERY_S = 2.0, STOP_PATIENCE_S = 10.0;
+/* Without its starter, nobody else would end a recorder whose simulator is gone. */
+static const double ORPHAN_PATIENCE_S = 60.0;
 static const double LINGER_S = 0.3, LINGER_MAX_S = 5.0, FAILED_ACKS_S = 0.5;
 
 struct live;
@@ -24,7 +28,8 @@ struct live {
     struct bus bus;
     struct recording *recording;
     double timeout_s;
-    struct live_channel channels[MESSAGE_KINDS];
+    pid_t parent;
+    struct live_channel channels[MESSAGE_LOGGED_KINDS], life;
     enum status status; /* of the last handler that failed */
     bool failed;        /* told to the sender */
     int64_t ack_seq;
@@ -52,16 +57,29 @@ static void on_message(const lcm_recv_buf_t *buffer, const char *channel, void *
     live->ends += source->kind == RECORD_END;
 }
 
+/* STATUS is not recorded, but a sign that the run goes on, however far its records are apart. */
+static void on_life(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    struct live_channel *source = user;
+    struct message_header header;
+    (void)channel;
+    if (message_header_read(buffer->data, buffer->data_size, &header) &&
+        header.run_id == recording_run_id(source->live->recording))
+        source->live->message_at_s = clock_now_s();
+}
+
 static enum status send_ack(struct live *live)
 {
-    enum { ACK_SIZE_MAX = 256 };
+    enum { ACK_SIZE_MAX = 256 + 12 * EARLY_MAX };
     unsigned char bytes[ACK_SIZE_MAX];
-    int64_t next_seq[RECORD_CHANNELS];
-    shakedown_record_ack_t ack = {.seq = live->ack_seq++, .failed = live->failed};
-    recording_ack(live->recording, next_seq, &ack);
-    int size = shakedown_record_ack_t_encode(bytes, 0, sizeof bytes, &ack);
+    struct recording_ack ack;
+    recording_ack(live->recording, &ack);
+    ack.message.seq = live->ack_seq++;
+    ack.message.failed = live->failed;
+    int size = shakedown_record_ack_t_encode(bytes, 0, sizeof bytes, &ack.message);
     if (size < 0)
         return status_fail(STATUS_FORMAT, "cannot encode RECORD_ACK");
+
     live->answer_now = false;
     live->records_unanswered = live->walls_unanswered = 0;
     live->ack_at_s = clock_now_s();
@@ -79,14 +97,16 @@ static void unsubscribe_walls(struct live *live)
     }
 }
 
-static enum status handle(struct live *live, int timeout_ms)
+/* Handles a message if there is one. The sender hears at once of what it waits for, soon of several messages, and of
+ * fewer when no more come. */
+static enum status handle(struct live *live)
 {
-    bool handled;
-    TRY(bus_handle(&live->bus, timeout_ms, &handled));
+    bool handled, unanswered = live->records_unanswered > 0 || live->walls_unanswered > 0;
+    TRY(bus_handle(&live->bus, unanswered ? SETTLE_MS : WAIT_MS, &handled));
     TRY(live->status);
-    double now_s = clock_now_s();
     if (live->answer_now || live->records_unanswered >= ACK_EVERY_RECORDS ||
-        live->walls_unanswered >= ACK_EVERY_WALLS || now_s - live->ack_at_s >= ACK_EVERY_S)
+        live->walls_unanswered >= ACK_EVERY_WALLS || (unanswered && !handled) ||
+        clock_now_s() - live->ack_at_s >= ACK_EVERY_S)
         TRY(send_ack(live));
     return STATUS_OK;
 }
@@ -101,16 +121,18 @@ static bool has_patience(struct live *live)
     }
     if (now_s > live->stop_at_s || stop_request_count() > 1)
         return false;
-    if (now_s - live->message_at_s <= live->timeout_s)
+    const double silence_s = now_s - live->message_at_s;
+    if (silence_s <= live->timeout_s && (silence_s <= ORPHAN_PATIENCE_S || getppid() == live->parent))
         return true;
-    fprintf(stderr, "recorder: no message of this run for %g s\n", live->timeout_s);
+    fprintf(stderr, "recorder: no message of this run for %.1f s%s\n", silence_s,
+            getppid() == live->parent ? "" : ", and who started it has ended");
     return false;
 }
 
 static enum status record_until_end(struct live *live)
 {
     while (!recording_end_matches(live->recording) && has_patience(live)) {
-        TRY(handle(live, WAIT_MS));
+        TRY(handle(live));
         unsubscribe_walls(live);
         if (clock_now_s() - live->flush_at_s >= FLUSH_EVERY_S) {
             TRY(recording_flush(live->recording));
@@ -128,7 +150,7 @@ static enum status linger(struct live *live)
     for (double now_s = start_s; now_s - last_end_s < LINGER_S && now_s - start_s < LINGER_MAX_S;
          now_s = clock_now_s()) {
         int64_t ends = live->ends;
-        TRY(handle(live, WAIT_MS));
+        TRY(handle(live));
         if (live->ends != ends)
             last_end_s = clock_now_s();
     }
@@ -149,13 +171,14 @@ static void tell_failure(struct live *live)
 
 static enum status subscribe(struct live *live)
 {
-    for (int kind = 0; kind < MESSAGE_KINDS; kind++) {
+    for (int kind = 0; kind < MESSAGE_LOGGED_KINDS; kind++) {
         struct live_channel *channel = &live->channels[kind];
         channel->live = live;
         channel->kind = kind;
         TRY(bus_subscribe_for_a_while(&live->bus, message_channel(kind), on_message, channel, &channel->subscription));
     }
-    return STATUS_OK;
+    live->life.live = live;
+    return bus_subscribe(&live->bus, CHANNEL_STATUS, on_life, &live->life);
 }
 
 static enum status record(struct live *live)
@@ -169,7 +192,8 @@ static enum status record(struct live *live)
 
 enum status live_record(struct recording *recording, const struct live_options *options)
 {
-    struct live live = {.recording = recording, .timeout_s = options->timeout_s, .stop_at_s = INFINITY};
+    struct live live = {
+        .recording = recording, .timeout_s = options->timeout_s, .stop_at_s = INFINITY, .parent = getppid()};
     TRY(bus_open(&live.bus, options->lcm_url));
     enum status status = record(&live);
     if (status == STATUS_IO || status == STATUS_NO_MEMORY) {

@@ -6,7 +6,8 @@
 
 struct live_options {
     const char *lcm_url; /* NULL: the default */
-    double timeout_s;    /* without a message of this run, the recorder gives up */
+    double
+        timeout_s; /* the recorder gives up after so long without a sign of life, STATUS among them; may be INFINITY */
 };
 
 /* Records until the run is complete (STATUS_OK), a stop request or silence (STATUS_INCOMPLETE), or a failure of the

@@ -1,4 +1,5 @@
 /* recorder: writes what a run says to run.h5, live from the bus or from an LCM event log. */
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,8 +14,11 @@ static const char USAGE[] =
     "       recorder --from run.lcm --out DIR                               converts an LCM event log\n"
     "  --resume  goes on with DIR/run.h5 of a run that goes on from a checkpoint\n"
     "Writes DIR/run.h5 (H5MD 1.1) and DIR/run.xdmf, and DIR/run.lcm if the scene says record.event_log.\n"
-    "Ends when the run is complete, on SIGINT or SIGTERM (10 s of patience for END, none after a second signal), or\n"
-    "after SECONDS (default 60) without a message of the run. Exit code 0: complete; 9: messages are missing.\n";
+    "Ends when the run is complete, on SIGINT or SIGTERM (10 s of patience for END, none after a second signal), "
+    "after\n"
+    "SECONDS (default: no limit) without a message of the run, or when who started it has ended and nothing of the "
+    "run\n"
+    "was heard for 60 s. Exit code 0: complete; 9: messages are missing.\n";
 
 struct arguments {
     struct command_line line;
@@ -26,7 +30,7 @@ struct arguments {
 static enum status timeout_read(struct arguments *arguments)
 {
     char *end = NULL;
-    arguments->timeout_s = 60.0;
+    arguments->timeout_s = INFINITY;
     if (!arguments->timeout)
         return STATUS_OK;
     arguments->timeout_s = strtod(arguments->timeout, &end);

@@ -12,6 +12,7 @@
 #include "common/message.h"
 #include "common/scene.h"
 #include "recorder/backlog.h"
+#include "recorder/early.h"
 #include "recorder/event_log.h"
 #include "recorder/folder_lock.h"
 #include "recorder/wall_order.h"
@@ -37,7 +38,8 @@ struct recording {
     struct particle_frame particle_frame;
     struct contact_frame contact_frame;
     struct wall_order walls;
-    int64_t wall_total[2];  /* states, commands */
+    int64_t wall_total[2]; /* states, commands */
+    struct early early;
     struct backlog backlog; /* wall messages before RUN_INFO says whether they are wanted */
     shakedown_end_t *end;   /* the last END, whether it matched or not */
     bool end_matches, finished, complete;
@@ -154,6 +156,9 @@ static enum status take_wall(struct recording *recording, int kind, const union 
         return STATUS_OK;
     }
     switch (wall_order_take(&recording->walls, kind == MESSAGE_WALL_COMMAND, message->header.seq, data, size)) {
+    case WALL_WAITS:
+        *answer = ANSWER_NOW;
+        return STATUS_OK;
     case WALL_NEXT:
         TRY(wall_write(recording, kind, message, data, size));
         return walls_write_next(recording);
@@ -388,6 +393,15 @@ static enum status is_ready(struct recording *recording, int kind, const union m
     return STATUS_OK;
 }
 
+/* It cannot be taken before others are here. */
+static void take_early(struct recording *recording, int kind, const union message *message, const void *data,
+                       size_t size)
+{
+    recording->drops.early++;
+    if (!recording->from_log) /* what a log lacks never comes */
+        early_keep(&recording->early, kind, message->header.seq, data, size);
+}
+
 /* A record of this run that is next on its channel. */
 static enum status take_next(struct recording *recording, int kind, const union message *message, const void *data,
                              size_t size, enum recording_answer *answer)
@@ -395,7 +409,7 @@ static enum status take_next(struct recording *recording, int kind, const union 
     bool ready;
     TRY(is_ready(recording, kind, message, &ready));
     if (!ready) {
-        recording->drops.early++;
+        take_early(recording, kind, message, data, size);
         *answer = ANSWER_NOW;
         return STATUS_OK;
     }
@@ -417,6 +431,38 @@ static enum status take_next(struct recording *recording, int kind, const union 
     return kind == RECORD_RUN_INFO ? backlog_take(recording) : STATUS_OK;
 }
 
+/* Whether a kept one is next and can be taken; it is taken out of those that are kept, also if it is no use. */
+static enum status early_try(struct recording *recording, int k, bool *taken)
+{
+    const struct early_record *kept = recording->early.record[k];
+    union message message;
+    enum recording_answer answer;
+    *taken = false;
+    if (kept->seq > recording->next_seq[kept->kind])
+        return STATUS_OK;
+    if (kept->seq == recording->next_seq[kept->kind]) {
+        TRY(message_decode(kept->kind, kept->data, kept->size, &message)); /* it was decoded before */
+        enum status status = is_ready(recording, kept->kind, &message, taken);
+        if (status == STATUS_OK && *taken)
+            status = take_next(recording, kept->kind, &message, kept->data, kept->size, &answer);
+        message_free(kept->kind, &message);
+        TRY(status);
+        if (!*taken)
+            return STATUS_OK;
+    }
+    free(early_take(&recording->early, k));
+    return STATUS_OK;
+}
+
+/* Those whose turn it is now; each may be what others wait for. */
+static enum status early_try_all(struct recording *recording)
+{
+    bool taken = false;
+    for (int k = 0; k < recording->early.count; k = taken ? 0 : k + 1)
+        TRY(early_try(recording, k, &taken));
+    return STATUS_OK;
+}
+
 static bool is_foreign(const struct recording *recording, int kind, const union message *message)
 {
     if (recording->any_run && !recording->has_run)
@@ -433,15 +479,19 @@ static enum status take_message(struct recording *recording, int kind, const uni
     }
     if (kind >= RECORD_CHANNELS) {
         *answer = ANSWER_NONE;
-        return recording->has_run ? take_wall(recording, kind, message, data, size, answer)
-                                  : backlog_add(&recording->backlog, kind, data, size);
+        if (!recording->has_run)
+            return backlog_add(&recording->backlog, kind, data, size);
+        TRY(take_wall(recording, kind, message, data, size, answer));
+        return early_try_all(recording);
     }
-    if (message->header.seq == recording->next_seq[kind])
-        return take_next(recording, kind, message, data, size, answer);
+    if (message->header.seq == recording->next_seq[kind]) {
+        TRY(take_next(recording, kind, message, data, size, answer));
+        return early_try_all(recording);
+    }
     if (message->header.seq < recording->next_seq[kind])
         recording->drops.repeated++;
     else
-        recording->drops.early++;
+        take_early(recording, kind, message, data, size);
     *answer = ANSWER_NOW;
     return STATUS_OK;
 }
@@ -474,16 +524,30 @@ enum status recording_flush(struct recording *recording)
     return recording->log ? event_writer_flush(recording->log) : STATUS_OK;
 }
 
-void recording_ack(const struct recording *recording, int64_t next_seq[RECORD_CHANNELS], shakedown_record_ack_t *ack)
+void recording_ack(const struct recording *recording, struct recording_ack *ack)
 {
-    memcpy(next_seq, recording->next_seq, sizeof recording->next_seq);
-    ack->run_id = recording->run_id;
-    ack->step = recording->last_step;
-    ack->time_s = recording->last_time_s;
-    ack->next_wall_seq = wall_order_exchanges(&recording->walls);
-    ack->n_channels = RECORD_CHANNELS;
-    ack->next_seq = next_seq;
-    ack->complete = recording->complete;
+    const struct early *early = &recording->early;
+    memcpy(ack->next_seq, recording->next_seq, sizeof ack->next_seq);
+    for (int k = 0; k < early->count; k++) {
+        ack->held_channel[k] = early->record[k]->kind;
+        ack->held_seq[k] = early->record[k]->seq;
+    }
+    ack->message = (shakedown_record_ack_t){.run_id = recording->run_id,
+                                            .step = recording->last_step,
+                                            .time_s = recording->last_time_s,
+                                            .next_wall_seq = wall_order_exchanges(&recording->walls),
+                                            .walls_held = (int32_t)wall_order_held(&recording->walls),
+                                            .n_channels = RECORD_CHANNELS,
+                                            .next_seq = ack->next_seq,
+                                            .n_held = early->count,
+                                            .held_channel = ack->held_channel,
+                                            .held_seq = ack->held_seq,
+                                            .complete = recording->complete};
+}
+
+int64_t recording_run_id(const struct recording *recording)
+{
+    return recording->run_id;
 }
 
 bool recording_has_run(const struct recording *recording)
@@ -592,6 +656,7 @@ void recording_free(struct recording *recording)
     if (!recording)
         return;
     folder_unlock(recording->lock);
+    early_free(&recording->early);
     backlog_free(&recording->backlog);
     particle_set_free(&recording->particles);
     particle_frame_free(&recording->particle_frame);

@@ -3,9 +3,8 @@
 #ifndef SHAKEDOWN_RECORDER_RECORDING_H
 #define SHAKEDOWN_RECORDER_RECORDING_H
 
-#include <shakedown_record_ack_t.h>
-
-#include "recorder/messages.h"
+#include "common/message.h"
+#include "recorder/early.h"
 #include "recorder/run_writer.h"
 
 struct recording;
@@ -41,9 +40,18 @@ enum status recording_take(struct recording *recording, int kind, const void *da
 /* Brings to disk what a reader may want if this process is killed. */
 enum status recording_flush(struct recording *recording) MUST_USE;
 
-/* Fills the parts of an acknowledgement that the recording knows; `next_seq` [RECORD_CHANNELS] is pointed to. */
-void recording_ack(const struct recording *recording, int64_t next_seq[RECORD_CHANNELS], shakedown_record_ack_t *ack);
+/* An acknowledgement with the arrays it points to. */
+struct recording_ack {
+    shakedown_record_ack_t message; /* all but seq, waits and failed */
+    int64_t next_seq[RECORD_CHANNELS];
+    int32_t held_channel[EARLY_MAX];
+    int64_t held_seq[EARLY_MAX];
+};
 
+/* What is here. `ack` must not be moved, as its message points into it. */
+void recording_ack(const struct recording *recording, struct recording_ack *ack);
+
+int64_t recording_run_id(const struct recording *recording);
 bool recording_has_run(const struct recording *recording);     /* RUN_INFO was taken */
 bool recording_wants_walls(const struct recording *recording); /* as RUN_INFO says */
 bool recording_end_matches(const struct recording *recording); /* END was taken: every total matches */

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+_Static_assert(WALL_ORDER_WINDOW <= 32, "record_ack_t.walls_held has 32 bits");
+
 enum wall_place wall_order_take(struct wall_order *order, bool command, int64_t seq, const void *data, size_t size)
 {
     if (seq < order->next / 2)
@@ -46,6 +48,17 @@ bool wall_order_skip(struct wall_order *order, int64_t seq)
     if (seq > before / 2 && seq < INT64_MAX / 4)
         order->next = 2 * seq;
     return order->next > before;
+}
+
+uint32_t wall_order_held(const struct wall_order *order)
+{
+    const int64_t first = order->next / 2 * 2;
+    uint32_t held = order->next > first; /* a state without its command */
+    for (int64_t place = order->next; place < first + WALL_ORDER_WINDOW; place++) {
+        if (order->waiting[place % WALL_ORDER_WINDOW].size > 0)
+            held |= UINT32_C(1) << (place - first);
+    }
+    return held;
 }
 
 int64_t wall_order_exchanges(const struct wall_order *order)

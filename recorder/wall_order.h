@@ -44,6 +44,10 @@ bool wall_order_next(struct wall_order *order, struct wall_waiting *message);
  * was nothing to give up. */
 bool wall_order_skip(struct wall_order *order, int64_t seq);
 
+/* Which messages are here, as record_ack_t.walls_held says: bit 2k is the state, 2k+1 the command, of the k-th exchange
+ * that is not used in full. */
+uint32_t wall_order_held(const struct wall_order *order);
+
 /* Exchanges that are used in full. */
 int64_t wall_order_exchanges(const struct wall_order *order);
 

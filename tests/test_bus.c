@@ -547,8 +547,8 @@ static void stream_arrives(void **unused)
     print_message("no loss: %lld records repeated\n", (long long)repeated);
 }
 
-/* Every 7th record and every 3rd acknowledgement lost. A round of 100 ms moves at least one record on, and most rounds
- * several; 60 s are 600 rounds for 63 records. */
+/* Every 7th record and every 3rd acknowledgement lost. This recorder keeps nothing that comes early, so that each
+ * loss costs a round; a round of 0.5 s at most moves at least one record on, and 60 s of silence do not come. */
 static void stream_survives_loss(void **unused)
 {
     struct recorder recorder = {.drop_every = 7, .drop_ack_every = 3};
@@ -576,8 +576,8 @@ static void stream_gives_up(void **unused)
     assert_int_equal(record_stream_flush(stream), STATUS_TIMEOUT);
     assert_non_null(strstr(status_message(), "recorder of run 4711"));
     assert_true(clock_now_s() - start_s < 15); /* of 1 s */
-    /* Nine rounds of the two that fit the window; one will do on a machine that is busy. */
-    assert_true(record_stream_repeated(stream) >= 2 && record_stream_repeated(stream) % 2 == 0);
+    /* Rounds of the two that fit the window; one will do on a machine that is busy. */
+    assert_true(record_stream_repeated(stream) >= 2);
     record_stream_free(stream);
     bus_close(&recorder.bus);
     bus_close(&bus);
@@ -616,15 +616,15 @@ static void stream_gives_up_walls(void **unused)
     drain(&listener, 100);
     assert_int_equal(states + commands, 0); /* whoever keeps them has sent them */
     assert_int_equal(record_stream_wait_for_walls(stream, WALLS_WINDOW), STATUS_TIMEOUT);
-    assert_non_null(strstr(status_message(), "recorder of run 4711 acknowledged no wall message"));
+    assert_non_null(strstr(status_message(), "16 exchanges of the walls wait for it"));
     drain(&listener, 100);
     walls_acknowledge(&listener, WALLS_WINDOW + 2); /* of what never was: not to be believed */
     assert_int_equal(record_stream_wait_for_walls(stream, WALLS_WINDOW), STATUS_TIMEOUT);
     walls_acknowledge(&listener, 1);
     must(record_stream_wait_for_walls(stream, WALLS_WINDOW));
     drain(&listener, 100);
-    assert_true(states >= WALLS_WINDOW && states % WALLS_WINDOW == 0 && commands == states);
-    assert_int_equal(record_stream_repeated(stream), 2 * states);
+    assert_true(states >= WALLS_WINDOW && commands >= WALLS_WINDOW);
+    assert_int_equal(record_stream_repeated(stream), states + commands);
     record_stream_free(stream);
     bus_close(&listener);
     bus_close(&bus);

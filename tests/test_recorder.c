@@ -1,4 +1,4 @@
-/* The recorder without a bus: decoding, go-back-N, run.h5, run.xdmf. */
+/* The recorder without a bus: decoding, what comes early or twice, run.h5, run.xdmf. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "common/coupling.h"
-#include "recorder/messages.h"
+#include "common/message.h"
 #include "recorder/recording.h"
 #include "test_recorder_read.h"
 #include "test_recorder_synthetic.h"
@@ -239,15 +239,15 @@ static void test_gaps_and_repeats(void **state)
     uint64_t random = 1;
     (void)state;
     bench_open(&bench, &synthetic_default);
-    /* A go-back-N sender over a bus that loses one of four messages and doubles one of four. */
+    /* A sender that repeats everything over a bus that loses one of four messages and doubles one of four. */
     for (int round = 0; round < 200 && !recording_end_matches(bench.recording); round++) {
-        int64_t next[RECORD_CHANNELS], seen[RECORD_CHANNELS] = {0};
-        shakedown_record_ack_t ack = {0};
-        recording_ack(bench.recording, next, &ack);
+        int64_t seen[RECORD_CHANNELS] = {0};
+        struct recording_ack ack;
+        recording_ack(bench.recording, &ack);
         for (size_t k = 0; k < bench.run.count; k++) {
             const struct synthetic_message *message = &bench.run.messages[k];
             uint64_t dice = synthetic_random(&random) % 4;
-            if (seen[message->kind]++ < next[message->kind] || dice == 0)
+            if (seen[message->kind]++ < ack.next_seq[message->kind] || dice == 0)
                 continue;
             give(&bench, message);
             if (dice == 1)
@@ -271,17 +271,18 @@ static void test_answers(void **state)
     assert_int_equal(give(&bench, &messages[sample]), ANSWER_NOW); /* before RUN_INFO */
     assert_int_equal(give(&bench, &messages[0]), ANSWER_NOW);
     assert_int_equal(give(&bench, &messages[find(&bench.run, RECORD_FRAME_PARTICLES, 0)]), ANSWER_NOW); /* no radii */
-    assert_int_equal(give(&bench, &messages[sample]), ANSWER_SOON);
-    assert_int_equal(give(&bench, &messages[sample]), ANSWER_NOW);     /* again */
-    assert_int_equal(give(&bench, &messages[sample + 2]), ANSWER_NOW); /* gap */
+    assert_int_equal(give(&bench, &messages[sample]), ANSWER_NOW); /* was kept, and taken after RUN_INFO */
+    assert_int_equal(give(&bench, &messages[sample + 1]), ANSWER_SOON);
+    assert_int_equal(give(&bench, &messages[sample + 1]), ANSWER_NOW); /* again */
+    assert_int_equal(give(&bench, &messages[sample + 3]), ANSWER_NOW); /* gap */
     assert_int_equal(give(&bench, &messages[bench.run.count - 1]), ANSWER_NOW);
     assert_false(recording_end_matches(bench.recording));
     give_all(&bench);
     finish_complete(&bench);
-    int64_t next[RECORD_CHANNELS];
-    shakedown_record_ack_t ack = {0};
-    recording_ack(bench.recording, next, &ack);
-    assert_true(ack.complete && next[RECORD_SAMPLE] == synthetic_default.n_samples && next[RECORD_END] == 1);
+    struct recording_ack ack;
+    recording_ack(bench.recording, &ack);
+    assert_true(ack.message.complete && ack.message.n_held == 0);
+    assert_true(ack.next_seq[RECORD_SAMPLE] == synthetic_default.n_samples && ack.next_seq[RECORD_END] == 1);
     bench_close(&bench);
 }
 
@@ -362,7 +363,7 @@ static void test_fuzz_decode(void **state)
             bytes[place] = (unsigned char)synthetic_random(&random);
         }
         union message decoded;
-        int kind = (int)(round % 16 == 0 ? synthetic_random(&random) % MESSAGE_KINDS : (uint64_t)message->kind);
+        int kind = (int)(round % 16 == 0 ? synthetic_random(&random) % MESSAGE_LOGGED_KINDS : (uint64_t)message->kind);
         if (message_decode(kind, bytes, size, &decoded) == STATUS_OK)
             message_free(kind, &decoded);
         free(bytes);
@@ -475,7 +476,7 @@ static void lose_one(int kind, int n)
 static void test_never_complete(void **state)
 {
     (void)state;
-    for (int kind = 0; kind < MESSAGE_KINDS; kind++)
+    for (int kind = 0; kind < MESSAGE_LOGGED_KINDS; kind++)
         lose_one(kind, 0);
     lose_one(RECORD_SAMPLE, 19); /* the last of a channel leaves no gap */
     lose_one(RECORD_FRAME_CONTACTS, 5);
@@ -557,10 +558,9 @@ static void test_walls_lost_and_sent_again(void **state)
 
 static int64_t wall_ack(const struct bench *bench)
 {
-    int64_t next_seq[RECORD_CHANNELS];
-    shakedown_record_ack_t ack = {0};
-    recording_ack(bench->recording, next_seq, &ack);
-    return ack.next_wall_seq;
+    struct recording_ack ack;
+    recording_ack(bench->recording, &ack);
+    return ack.message.next_wall_seq;
 }
 
 /* Numbers that no sender of this run has: nothing is lost to them. */

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "recorder/messages.h"
+#include "common/message.h"
 
 struct synthetic_options {
     int64_t run_id;
@@ -30,7 +30,7 @@ struct synthetic_run {
     struct synthetic_options options;
     struct synthetic_message *messages;
     size_t count, capacity;
-    int64_t next_seq[MESSAGE_KINDS];
+    int64_t next_seq[MESSAGE_LOGGED_KINDS];
 };
 
 enum { SYNTHETIC_CHUNK = 100 /* particles or contacts per chunk */ };

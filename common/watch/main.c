@@ -8,6 +8,7 @@
 
 #include "common/bus.h"
 #include "common/command_line.h"
+#include "common/message.h"
 #include "common/signals.h"
 #include "common/watch/progress.h"
 
@@ -39,44 +40,48 @@ static void clear_line(struct watch *watch)
     watch->line_open = false;
 }
 
+static void show(struct watch *watch, const shakedown_status_t *status)
+{
+    char text[PROGRESS_TEXT_MAX];
+    watch->last_message_s = clock_now_s();
+    if (watch->on_terminal) {
+        progress_format(text, status, terminal_columns() - 1);
+        fprintf(stderr, "\r\033[K%s", text);
+        watch->line_open = true;
+    } else if (watch->last_message_s - watch->last_line_s >= plain_interval_s) {
+        progress_format(text, status, 0);
+        fprintf(stderr, "%s\n", text);
+        watch->last_line_s = watch->last_message_s;
+    }
+}
+
 static void on_status(const lcm_recv_buf_t *received, const char *channel, void *user)
 {
     struct watch *watch = user;
-    shakedown_status_t status;
-    char text[PROGRESS_TEXT_MAX];
+    union message message;
     (void)channel;
-    if (shakedown_status_t_decode(received->data, 0, (int)received->data_size, &status) < 0)
+    if (message_decode(MESSAGE_STATUS, received->data, received->data_size, &message) != STATUS_OK)
         return; /* for people only: the next one comes in 0.1 s */
-    if (status.run_id == watch->run_id && !watch->ended) {
-        watch->last_message_s = clock_now_s();
-        if (watch->on_terminal) {
-            progress_format(text, &status, terminal_columns() - 1);
-            fprintf(stderr, "\r\033[K%s", text);
-            watch->line_open = true;
-        } else if (watch->last_message_s - watch->last_line_s >= plain_interval_s) {
-            progress_format(text, &status, 0);
-            fprintf(stderr, "%s\n", text);
-            watch->last_line_s = watch->last_message_s;
-        }
-    }
-    shakedown_status_t_decode_cleanup(&status);
+    if (message.header.run_id == watch->run_id && !watch->ended)
+        show(watch, &message.status);
+    message_free(MESSAGE_STATUS, &message);
 }
 
 static void on_end(const lcm_recv_buf_t *received, const char *channel, void *user)
 {
     struct watch *watch = user;
-    shakedown_end_t end;
+    union message message;
     char text[PROGRESS_TEXT_MAX];
     (void)channel;
-    if (shakedown_end_t_decode(received->data, 0, (int)received->data_size, &end) < 0)
+    if (message_decode(RECORD_END, received->data, received->data_size, &message) != STATUS_OK)
         return; /* repeated until the recorder has it */
-    if (end.run_id == watch->run_id && !watch->ended) {
+    if (message.header.run_id == watch->run_id && !watch->ended) {
         watch->ended = true;
         clear_line(watch);
-        progress_format_end(text, &end);
+        progress_format_end(text, &message.end);
         fprintf(stderr, "%s\n", text);
     }
-    shakedown_end_t_decode_cleanup(&end);
+    message_free(RECORD_END, &message);
 }
 
 /* Listens until END, a signal, or `timeout_s` of silence (0: no limit). */

@@ -1,4 +1,4 @@
-#include "recorder/wire.h"
+#include "common/wire.h"
 
 #include <stdint.h>
 #include <string.h>

@@ -46,7 +46,7 @@ function(layout_of file layout)
   set(${layout} ${codes} PARENT_SCOPE)
 endfunction()
 
-set(header "/* Generated from the .lcm files by recorder/wire_layout.cmake. */\n")
+set(header "/* Generated from the .lcm files by common/wire_layout.cmake. */\n")
 math(EXPR last "${CMAKE_ARGC} - 1")
 foreach(argument RANGE 3 ${last})
   set(file ${CMAKE_ARGV${argument}})
