@@ -5,9 +5,9 @@ add_test(NAME progress COMMAND test_progress)
 set_tests_properties(progress PROPERTIES LABELS unit TIMEOUT 30)
 
 # Cases with fakes in place of the processes: quick, and every way in which one may end.
-foreach(case usage run broken_scene ports interrupt hang failure url private)
+foreach(case usage run broken_scene ports interrupt hang failure restart signals orphans url private)
   add_test(NAME driver_fake_${case} COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_driver.sh fake_${case})
-  set_tests_properties(driver_fake_${case} PROPERTIES LABELS unit TIMEOUT 60)
+  set_tests_properties(driver_fake_${case} PROPERTIES LABELS unit TIMEOUT 60 ENVIRONMENT "LAUNCHER=$<TARGET_FILE:launcher>")
 endforeach()
 
 # The real processes on scenes/quick.cfg.

@@ -2,7 +2,7 @@
 # Stands for every process of a run in the tests of the driver. What it does is said by FAKE_SIM, FAKE_WALLCTL,
 # FAKE_RECORDER: ok (default), fail (exit code 10 and a message), wait (until SIGINT), hang (no signal changes anything).
 # The pipe FAKE_PIPE stands for the bus: its one message is sim's END, for the recorder. FAKE_PIPE.walls: wallctl's answer.
-trap 'exit 130' INT # at once: bash loses one that comes during a command
+trap 'exit 130' INT HUP # at once: bash loses one that comes during a command
 name=${0##*/}
 arguments=("$@")
 
@@ -50,7 +50,7 @@ case $behaviour in
 esac
 case $name in
     sim)
-        trap 'say_end; exit 130' INT
+        trap 'say_end; exit 130' INT TERM HUP
         stay "$FAKE_PIPE.walls" # until wallctl answers
         [ "$behaviour" = ok ] || stay "$silence"
         say_end

@@ -78,7 +78,7 @@ end_drivers() {
 }
 
 pid_of() { # DIR NAME
-    sed -n "s/^$2 //p" "$1/log/pids"
+    sed -n "s/^$2 //p" "$1/log/pids" | tail -n 1
 }
 
 is_running() { # DIR NAME
@@ -101,6 +101,8 @@ use_fakes() {
     done
     mkdir -p bin/common/watch
     ln -s /bin/true bin/common/watch/shakedown-watch
+    mkdir bin/launcher
+    ln -s "$LAUNCHER" bin/launcher/launcher
     export SHAKEDOWN_BIN=$work/bin
     echo 'name = "fake";' >good.cfg
 }
@@ -139,8 +141,8 @@ case_fake_run() {
     expect_text last.out "a table of $dir"
     case $dir in "$work"/runs/good-*) ;; *) fail "results in $dir" ;; esac
     cmp good.cfg "$dir/scene.cfg" || fail "the scene was not copied"
-    expect_text "$dir/log/sim.log" "^sim good.cfg --set sample.count=10 --seed 7 --run-id $(<"$dir/run-id") --lcm"
-    expect_text "$dir/log/wallctl.log" "^wallctl good.cfg --set sample.count=10 --seed 7 --run-id $(<"$dir/run-id") --lcm"
+    expect_text "$dir/log/sim.log" "^sim $dir/scene.cfg --set sample.count=10 --seed 7 --run-id $(<"$dir/run-id") --lcm"
+    expect_text "$dir/log/wallctl.log" "^wallctl $dir/scene.cfg --set sample.count=10 --seed 7 --run-id $(<"$dir/run-id") --lcm"
     expect_text "$dir/log/recorder.log" "^recorder --run-id $(<"$dir/run-id") --out $dir --lcm $(<"$dir/lcm-url")"
     expect_all_gone "$dir"
     shakedown run good.cfg --out "$dir"
@@ -163,10 +165,10 @@ case_fake_broken_scene() {
 case_fake_ports() {
     use_fakes
     export FAKE_SIM=wait
-    start_driver a run good.cfg --out a
+    start_driver a run good.cfg --open --out a
     local first=$driver second code
     wait_for fakes_are_ready a
-    start_driver b run good.cfg --out b
+    start_driver b run good.cfg --open --out b
     second=$driver
     wait_for fakes_are_ready b
     [ "$(<a/lcm-url)" != "$(<b/lcm-url)" ] || fail "both on $(<a/lcm-url)"
@@ -214,7 +216,7 @@ case_fake_failure() {
     local name variable
     for name in sim wallctl recorder; do
         variable=FAKE_${name^^}
-        start_driver "$name" run good.cfg --out "$name"
+        start_driver "$name" run good.cfg --out "$name" --restarts 0
         wait_for fakes_are_ready "$name"
         kill -KILL "$(pid_of "$name" "$name")"
         wait "$driver"
@@ -233,6 +235,68 @@ case_fake_failure() {
     done
 }
 
+# A controller or recorder that is killed is started again, a simulator if that is asked for; not for ever.
+case_fake_restart() {
+    use_fakes
+    export FAKE_SIM=wait
+    local name before
+    for name in wallctl recorder sim; do
+        start_driver "$name" run good.cfg --out "$name" --keep-going --restarts 2
+        wait_for fakes_are_ready "$name"
+        for before in 1 2; do
+            before=$(pid_of "$name" "$name")
+            kill -KILL "$before"
+            wait_for is_another "$name" "$before"
+        done
+        kill -KILL "$(pid_of "$name" "$name")"
+        wait "$driver"
+        expect_code 137 $?
+        expect_text "$name.out" "$name was ended by signal KILL; .*(2 of at most 2 restarts an hour)"
+        expect_text "$name.out" "shakedown: $name was ended by signal KILL$"
+        [ "$(tail -n 1 "$name.out")" = "go on with: ./shakedown run --resume $work/$name" ] || fail "no way to go on"
+        expect_all_gone "$name"
+    done
+}
+
+is_another() { # NAME PID: whether the process is there under another id, and ready
+    [ "$(pid_of "$1" "$1")" != "$2" ] && [ "$(grep -c namespace "$1/log/$1.log")" -eq "$(grep -c "^$1 " "$1/log/pids")" ]
+}
+
+# A signal to one process, or to all at once as batch systems send it, is a wish that concerns the run.
+case_fake_signals() {
+    use_fakes
+    export FAKE_SIM=wait
+    local signal receiver pids
+    for signal in TERM HUP INT; do
+        for receiver in sim wallctl recorder launcher all; do
+            start_driver "$signal-$receiver" run good.cfg --out "$signal-$receiver"
+            wait_for fakes_are_ready "$signal-$receiver"
+            case $receiver in
+                launcher) pids=("$driver") ;;
+                all) mapfile -t pids < <(echo "$driver" && cut -d' ' -f2 "$signal-all/log/pids") ;;
+                *) pids=("$(pid_of "$signal-$receiver" "$receiver")") ;;
+            esac
+            kill "-$signal" "${pids[@]}"
+            wait "$driver"
+            expect_code 130 $?
+            expect_text "$signal-$receiver.out" '^go on with: ./shakedown run --resume'
+            ! grep -q 'killed, as' "$signal-$receiver.out" || fail "a process had to be killed"
+            expect_all_gone "$signal-$receiver"
+        done
+    done
+}
+
+# Processes of a launcher that is killed do not stay.
+case_fake_orphans() {
+    use_fakes
+    export FAKE_SIM=wait
+    start_driver out run good.cfg --out out
+    wait_for fakes_are_ready out
+    kill -KILL "$driver"
+    wait "$driver"
+    expect_all_gone out
+}
+
 case_fake_url() {
     use_fakes
     local url='udpm://239.255.76.67:7999?ttl=0'
@@ -246,14 +310,17 @@ case_fake_private() {
     use_fakes
     local here
     here="namespace $(readlink /proc/self/ns/net)"
-    shakedown run good.cfg --out open
+    shakedown run good.cfg --out open --open
     expect_code 0 $?
-    grep -qF "$here" open/log/sim.log || fail "private without being asked"
+    grep -qF "$here" open/log/sim.log || fail "private in spite of --open"
+    shakedown run good.cfg --out default
+    expect_code 0 $?
+    ! grep -qF "$here" default/log/sim.log || fail "not private by default"
     shakedown run good.cfg --out private --private
     expect_code 0 $?
     ! grep -qF "$here" private/log/sim.log || fail "not private"
     ip route del 224.0.0.0/4 dev lo
-    shakedown run good.cfg --out forced
+    shakedown run good.cfg --out forced --open
     expect_code 0 $?
     expect_text last.out 'no multicast route'
     ! grep -qF "$here" forced/log/sim.log || fail "not private"
@@ -301,9 +368,9 @@ case_broken_scene() {
 }
 
 case_two_runs() {
-    start_driver a run "$quick" --out a
+    start_driver a run "$quick" --open --out a
     local first=$driver
-    start_driver b run "$quick" --out b
+    start_driver b run "$quick" --open --out b
     wait "$first"
     expect_code 0 $?
     wait "$driver"
