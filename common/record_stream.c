@@ -16,7 +16,7 @@ enum { HANDLED_PER_SERVICE_MAX = 1024, WAIT_STEP_MS = 5 };
 enum { REPEATS_BEFORE_TIMEOUT = 3 };
 /* What is not acknowledged after the measured round trip and four of its deviations (RFC 6298) goes out again; each
  * time in vain the wait doubles. */
-static const double RESEND_MIN_S = 0.01, RESEND_MAX_S = 0.1, RESEND_BACKOFF_MAX_S = 0.5;
+static const double RESEND_MIN_S = 0.01, RESEND_MAX_S = 0.1, RESEND_BACKOFF_MAX_S = 0.2;
 /* What was sent this much before another one that has arrived is lost (RFC 8985). */
 static const double REORDER_MIN_S = 0.0005, REORDER_MAX_S = 0.01;
 /* A recorder that is heard but takes nothing, in timeouts; and the silence that is borne once the run is to stop. */

@@ -7,10 +7,10 @@
 
 #include "common/signals.h"
 
-/* How the sender is told (lcmtypes/CHANNELS.md), and how the end is kept: END comes again every 100 ms until the sender
- * knows that the run is complete, so three silent rounds mean that it does. */
+/* How the sender is told (lcmtypes/CHANNELS.md), and how the end is kept: END comes again until the sender
+ * knows that the run is complete, at least five times a second. */
 enum { ACK_EVERY_RECORDS = 8, ACK_EVERY_WALLS = 16, WAIT_MS = 10, SETTLE_MS = 1 };
-static const double ACK_EVERY_S = 0.05, FLUSH_EVERY_S = 2.0, STOP_PATIENCE_S = 10.0;
+static const double ACK_EVERY_S = 0.05, ACK_SPACING_S = 0.0002, FLUSH_EVERY_S = 2.0, STOP_PATIENCE_S = 10.0;
 /* Without its starter, nobody else would end a recorder whose simulator is gone. */
 static const double ORPHAN_PATIENCE_S = 60.0;
 static const double LINGER_S = 0.3, LINGER_MAX_S = 5.0, FAILED_ACKS_S = 0.5;
@@ -97,18 +97,23 @@ static void unsubscribe_walls(struct live *live)
     }
 }
 
-/* Handles a message if there is one. The sender hears at once of what it waits for, soon of several messages, and of
- * fewer when no more come. */
+/* Whether the sender is to be told now: at once of what it waits for, but never more often than it can listen, soon of
+ * several messages, of fewer when no more come, and now and then that we are here. */
+static bool ack_is_due(const struct live *live, bool idle)
+{
+    const double since_s = clock_now_s() - live->ack_at_s;
+    if (live->answer_now || live->records_unanswered >= ACK_EVERY_RECORDS || live->walls_unanswered >= ACK_EVERY_WALLS)
+        return idle || since_s >= ACK_SPACING_S;
+    return since_s >= ACK_EVERY_S || (idle && (live->records_unanswered > 0 || live->walls_unanswered > 0));
+}
+
 static enum status handle(struct live *live)
 {
-    bool handled, unanswered = live->records_unanswered > 0 || live->walls_unanswered > 0;
+    const bool unanswered = live->answer_now || live->records_unanswered > 0 || live->walls_unanswered > 0;
+    bool handled;
     TRY(bus_handle(&live->bus, unanswered ? SETTLE_MS : WAIT_MS, &handled));
     TRY(live->status);
-    if (live->answer_now || live->records_unanswered >= ACK_EVERY_RECORDS ||
-        live->walls_unanswered >= ACK_EVERY_WALLS || (unanswered && !handled) ||
-        clock_now_s() - live->ack_at_s >= ACK_EVERY_S)
-        TRY(send_ack(live));
-    return STATUS_OK;
+    return ack_is_due(live, !handled) ? send_ack(live) : STATUS_OK;
 }
 
 /* Whether to go on waiting for END. */

@@ -548,7 +548,7 @@ static void stream_arrives(void **unused)
 }
 
 /* Every 7th record and every 3rd acknowledgement lost. This recorder keeps nothing that comes early, so that each
- * loss costs a round; a round of 0.5 s at most moves at least one record on, and 60 s of silence do not come. */
+ * loss costs a round; a round of 0.2 s at most moves at least one record on, and 60 s of silence do not come. */
 static void stream_survives_loss(void **unused)
 {
     struct recorder recorder = {.drop_every = 7, .drop_ack_every = 3};

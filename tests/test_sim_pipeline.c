@@ -235,7 +235,7 @@ static void listen_to(struct live *live)
     must(bus_handle(&live->bus, live->relay ? 1 : 10, &handled));
     while (handled && live->relay)
         must(bus_handle(&live->bus, 0, &handled));
-    if (live->relay)
+    for (handled = live->relay != NULL; handled;)
         must(bus_handle(&live->relay->recorder, 0, &handled));
 }
 
