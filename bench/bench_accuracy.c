@@ -14,8 +14,8 @@
 #include "bench/prepare.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
-#include "sim/checkpoint.h"
-#include "sim/world.h"
+#include "sim/run/checkpoint.h"
+#include "sim/sample/sample.h"
 
 enum { RUNS_MAX = 64, OVERRIDES_MAX = 4, STEPS_MAX = 8, OVERRIDE_MAX = 320, WINDOWS = 3, ARGUMENTS_MAX = 300 };
 static const double SHIFT_M = 1e-13;
@@ -183,15 +183,15 @@ static enum status vary_sample(const struct work *work, const struct scene *scen
                                const char *name, char *checkpoint)
 {
     char path[1100];
-    struct world *world;
+    struct sample *sample;
     const struct run_progress progress = {0};
     snprintf(path, sizeof path, "%s/%s", work->folder, name);
-    TRY(world_create(&world, scene));
-    world->particles.x[0][world->particles.count / 2] += shift_m;
-    enum status status = no_springs ? prepare_forget(world) : STATUS_OK;
+    TRY(sample_create(&sample, scene));
+    sample->particles.x[0][sample->particles.count / 2] += shift_m;
+    enum status status = no_springs ? prepare_forget(sample) : STATUS_OK;
     if (status == STATUS_OK)
-        status = checkpoint_write(path, world, &progress);
-    world_free(world);
+        status = checkpoint_write(path, sample, &progress);
+    sample_free(sample);
     TRY(status);
     return prepare_path(path, checkpoint);
 }

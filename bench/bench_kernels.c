@@ -10,8 +10,8 @@
 #include "bench/timing.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
-#include "sim/kernels.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/kernels/kernels.h"
 
 enum { BLOCKS = 20, REPEATS = 15, SIDE_2D = 45, SIDE_3D = 15 };
 
@@ -165,7 +165,7 @@ static enum status connect(struct sample *s, struct random *random)
         if (i % side == 0)
             add(&s->wall.contacts, i, s->p.count, across, s->p.radius[i], random);
     }
-    particles_listed(&s->p, 2e-4);
+    particles_mark_listed(&s->p, 2e-4);
     TRY(contact_list_close(&s->pairs, &s->p, NULL));
     return contact_list_close(&s->wall.contacts, &s->p, &s->wall);
 }
@@ -176,7 +176,7 @@ static void move(struct sample *s, struct random *random)
     for (int c = 0; c < s->model.dimension; c++)
         for (int i = 0; i < s->p.count; i++)
             s->p.x[c][i] += 4e-5 + 2e-6 * (random_uniform(random) - 0.5);
-    particles_enter(&s->p);
+    particles_import_state(&s->p);
 }
 
 static enum status sample_init(struct sample *s, struct model model)

@@ -12,7 +12,7 @@
 #include "bench/prepare.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
-#include "sim/kernels.h"
+#include "sim/kernels/kernels.h"
 
 static const struct peers_case CASES[] = {
     {.name = "A", .file = "biaxial.cfg", .our_steps = 40000, .steps = 4000},

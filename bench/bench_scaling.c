@@ -18,9 +18,9 @@
 #include "common/bus.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
-#include "sim/measure.h"
-#include "sim/random.h"
-#include "sim/world.h"
+#include "sim/base/random.h"
+#include "sim/look/measure.h"
+#include "sim/sample/sample.h"
 
 enum { BLOCKS = 8, RELAX_STEPS = 300, LIST_MAX = 32 };
 static const double BLOCK_S = 0.12;
@@ -82,9 +82,9 @@ static enum status draw_places(int count, bool ordered, int **place)
 }
 
 /* Shrinks the scene's lattice with its walls to the wanted solid fraction, and jitters it. */
-static enum status pack(struct world *world, const struct kind *kind, bool ordered)
+static enum status pack(struct sample *sample, const struct kind *kind, bool ordered)
 {
-    struct particles *p = &world->particles;
+    struct particles *p = &sample->particles;
     struct random random;
     int *place;
     double volume = 1, *copy = malloc((size_t)p->count * sizeof *copy);
@@ -95,82 +95,83 @@ static enum status pack(struct world *world, const struct kind *kind, bool order
         return status_fail(STATUS_NO_MEMORY, "out of memory");
     }
     for (int c = 0; c < p->dimension; c++)
-        volume *= world_box_length_m(world, c);
+        volume *= sample_box_length_m(sample, c);
     double shrink = pow(particles_solid_volume(p) / kind->solid_fraction / volume, 1.0 / p->dimension);
-    double spacing = shrink * 2.02 * world->scene->sample.radius_max_m;
+    double spacing = shrink * 2.02 * sample->scene->sample.radius_max_m;
     for (int c = 0; c < p->dimension; c++) {
         memcpy(copy, p->x[c], (size_t)p->count * sizeof *copy);
         for (int i = 0; i < p->count; i++)
             p->x[c][i] = shrink * copy[place[i]] + kind->jitter * spacing * (2 * random_uniform(&random) - 1);
-        world->walls[2 * c].x *= shrink;
-        world->walls[2 * c + 1].x *= shrink;
+        sample->walls[2 * c].x *= shrink;
+        sample->walls[2 * c + 1].x *= shrink;
     }
     free(copy);
     free(place);
-    return world_build_lists(world);
+    return sample_build_lists(sample);
 }
 
 /* Starts a stage with the walls at rest where they are. */
-static enum status begin(struct world *world, int stage)
+static enum status begin(struct sample *sample, int stage)
 {
-    struct wall_command command = {.stage = stage, .step = world->step, .n_steps = INT_MAX, .n_walls = world->n_walls};
-    for (int w = 0; w < world->n_walls; w++)
-        command.position_m[w] = world->walls[w].x;
-    return world_command(world, &command);
+    struct wall_command command = {
+        .stage = stage, .step = sample->step, .n_steps = INT_MAX, .n_walls = sample->n_walls};
+    for (int w = 0; w < sample->n_walls; w++)
+        command.position_m[w] = sample->walls[w].x;
+    return sample_command(sample, &command);
 }
 
-static enum status steps(struct world *world, int n)
+static enum status steps(struct sample *sample, int n)
 {
     for (int k = 0; k < n; k++)
-        TRY(world_step_open(world));
+        TRY(sample_step_open(sample));
     return STATUS_OK;
 }
 
 /* The parts, each as often as wanted at one state: no time passes (dt = 0). */
-static enum status one_pair(struct world *world)
+static enum status one_pair(struct sample *sample)
 {
     struct contact_losses losses = {0};
-    world->law.dt = 0;
-    threads_pair(&world->threads, &world->kernels, &world->particles, &world->pairs, &world->law, &losses);
+    sample->law.dt = 0;
+    threads_pair(&sample->threads, &sample->kernels, &sample->particles, &sample->pairs, &sample->law, &losses);
     return STATUS_OK;
 }
 
-static enum status one_walls(struct world *world)
+static enum status one_walls(struct sample *sample)
 {
     struct contact_losses losses = {0};
-    world->law.dt = 0;
-    for (int w = 0; w < world->n_walls; w++)
-        world->kernels.wall(&world->particles, &world->walls[w], &world->law, &losses);
+    sample->law.dt = 0;
+    for (int w = 0; w < sample->n_walls; w++)
+        sample->kernels.wall(&sample->particles, &sample->walls[w], &sample->law, &losses);
     return STATUS_OK;
 }
 
-static enum status one_drift(struct world *world)
+static enum status one_drift(struct sample *sample)
 {
-    (void)threads_drift(&world->threads, &world->kernels, &world->particles, 0, 0, INFINITY);
+    (void)threads_drift(&sample->threads, &sample->kernels, &sample->particles, 0, 0, INFINITY);
     return STATUS_OK;
 }
 
-static enum status one_kick(struct world *world)
+static enum status one_kick(struct sample *sample)
 {
     struct kick_constants constants = {0};
-    (void)threads_kick(&world->threads, &world->kernels, &world->particles, &constants);
+    (void)threads_kick(&sample->threads, &sample->kernels, &sample->particles, &constants);
     return STATUS_OK;
 }
 
-static enum status one_build(struct world *world)
+static enum status one_build(struct sample *sample)
 {
-    return world_build_lists(world);
+    return sample_build_lists(sample);
 }
 
 /* Microseconds of one call: the least of the blocks. */
-static enum status time_it(struct world *world, enum status (*part)(struct world *), double *least_us)
+static enum status time_it(struct sample *sample, enum status (*part)(struct sample *), double *least_us)
 {
     *least_us = INFINITY;
     for (int b = 0; b < BLOCKS; b++) {
         int done = 0;
         double start = clock_now_s(), now = start;
         for (; now - start < BLOCK_S; now = clock_now_s(), done++)
-            TRY(part(world));
+            TRY(part(sample));
         *least_us = fmin(*least_us, 1e6 * (now - start) / done);
     }
     return STATUS_OK;
@@ -178,40 +179,40 @@ static enum status time_it(struct world *world, enum status (*part)(struct world
 
 /* Microseconds of a step, the least of the blocks, of the steps that built no lists: how often they do depends on how
  * fast the particles move, and a block of a large sample would have a build or none. */
-static enum status time_steps(struct world *world, struct row *row)
+static enum status time_steps(struct sample *sample, struct row *row)
 {
-    const int64_t before = world->neighbor.rebuilds;
+    const int64_t before = sample->verlet.rebuilds;
     int64_t all = 0;
     row->step_us = INFINITY;
-    TRY(world_step_open(world)); /* each step completes the one before */
+    TRY(sample_step_open(sample)); /* each step completes the one before */
     for (int b = 0; b < BLOCKS; b++) {
         int done = 0;
         double spent = 0, start = clock_now_s(), now = start;
         for (; now - start < BLOCK_S || done == 0; all++) {
-            const int64_t builds = world->neighbor.rebuilds;
+            const int64_t builds = sample->verlet.rebuilds;
             const double then = now;
-            TRY(world_step_open(world));
+            TRY(sample_step_open(sample));
             now = clock_now_s();
-            if (world->neighbor.rebuilds == builds) {
+            if (sample->verlet.rebuilds == builds) {
                 spent += now - then;
                 done++;
             }
         }
         row->step_us = fmin(row->step_us, 1e6 * spent / done);
     }
-    row->builds_per_step = (double)(world->neighbor.rebuilds - before) / (double)all;
+    row->builds_per_step = (double)(sample->verlet.rebuilds - before) / (double)all;
     return STATUS_OK;
 }
 
-static enum status time_parts(struct world *world, struct row *row)
+static enum status time_parts(struct sample *sample, struct row *row)
 {
-    TRY(time_steps(world, row));
-    world_settle(world);
-    TRY(time_it(world, one_pair, &row->pair_us));
-    TRY(time_it(world, one_walls, &row->walls_us));
-    TRY(time_it(world, one_drift, &row->drift_us));
-    TRY(time_it(world, one_kick, &row->kick_us));
-    TRY(time_it(world, one_build, &row->build_us));
+    TRY(time_steps(sample, row));
+    sample_complete(sample);
+    TRY(time_it(sample, one_pair, &row->pair_us));
+    TRY(time_it(sample, one_walls, &row->walls_us));
+    TRY(time_it(sample, one_drift, &row->drift_us));
+    TRY(time_it(sample, one_kick, &row->kick_us));
+    TRY(time_it(sample, one_build, &row->build_us));
     row->stream_us = 1e3 * row->bytes_mb / timing_stream_gb_per_s(1e6 * row->bytes_mb / 2);
     return STATUS_OK;
 }
@@ -220,35 +221,35 @@ static enum status time_parts(struct world *world, struct row *row)
  * row, reach (single: and where it was built) and history of each slot, records and columns, and add to the sums;
  * advance reads the sums and zeroes their rows, reads constants, reads and writes what steps go on with (double: x, v,
  * rotations and their views, beside x_list; single: the views and a rest of each) and writes the records. */
-static double bytes_moved(const struct world *world)
+static double bytes_moved(const struct sample *sample)
 {
-    const struct particles *p = &world->particles;
+    const struct particles *p = &sample->particles;
     const int d = p->dimension, s = p->n_rotations, real = p->single ? 4 : 8;
-    const int record = 8 * RECORD_STRIDE(d, s > 0, p->single), rows = ROW_BYTES(d, s > 0, p->single);
-    const int history = ((s && p->single ? 2 * s : s) + (s > 0) + world->pairs.hysteretic) * real;
+    const int record = 8 * RECORD_STRIDE(d, s > 0, p->single), rows = SUMS_BYTES(d, s > 0, p->single);
+    const int history = ((s && p->single ? 2 * s : s) + (s > 0) + sample->pairs.hysteretic) * real;
     const int slot = 4 + real + (p->single ? (d + 1) * real : 0) + 2 * history;
     const int positions = d * real, velocities = (d + s) * real, radius = s ? real : 0;
     const int pair =
         record + positions + velocities + radius + 2 * (rows + velocities); /* columns are velocities' size */
     const int state = p->single ? 4 * (positions + velocities) : 8 * (2 * (d + d + s) + d) + 2 * velocities;
     const int factors = (s ? 3 : 1) * real, advance = 2 * rows + velocities + state + factors + record;
-    return (double)slot * SET_WIDTH * world->pairs.n_sets + (double)(pair + advance) * p->count;
+    return (double)slot * SET_WIDTH * sample->pairs.n_sets + (double)(pair + advance) * p->count;
 }
 
-static enum status measure_world(struct world *world, const struct kind *kind, bool ordered, struct row *row)
+static enum status measure_world(struct sample *sample, const struct kind *kind, bool ordered, struct row *row)
 {
     double start = clock_now_s();
-    TRY(pack(world, kind, ordered));
-    TRY(begin(world, 0));
+    TRY(pack(sample, kind, ordered));
+    TRY(begin(sample, 0));
     row->setup_s = clock_now_s() - start;
-    TRY(steps(world, RELAX_STEPS));
-    TRY(begin(world, 1));
-    TRY(steps(world, 20));
-    row->contacts = measure_contacts(world, NULL);
-    row->candidates = world->pairs.count;
-    row->bytes_mb = 1e-6 * bytes_moved(world);
+    TRY(steps(sample, RELAX_STEPS));
+    TRY(begin(sample, 1));
+    TRY(steps(sample, 20));
+    row->contacts = measure_contacts(sample, NULL);
+    row->candidates = sample->pairs.count;
+    row->bytes_mb = 1e-6 * bytes_moved(sample);
     row->before = timing_core();
-    TRY(time_parts(world, row));
+    TRY(time_parts(sample, row));
     row->after = timing_core();
     return STATUS_OK;
 }
@@ -256,7 +257,7 @@ static enum status measure_world(struct world *world, const struct kind *kind, b
 static enum status measure_row(const struct kind *kind, int count, bool ordered, struct row *row)
 {
     char text[2048];
-    struct world *world = NULL;
+    struct sample *sample = NULL;
     struct scene *scene = calloc(1, sizeof *scene);
     if (!scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
@@ -264,12 +265,12 @@ static enum status measure_row(const struct kind *kind, int count, bool ordered,
     double start = clock_now_s();
     enum status status = scene_parse(scene, text, "scaling");
     if (status == STATUS_OK)
-        status = world_create(&world, scene);
+        status = sample_create(&sample, scene);
     double created_s = clock_now_s() - start;
     if (status == STATUS_OK)
-        status = measure_world(world, kind, ordered, row);
+        status = measure_world(sample, kind, ordered, row);
     row->setup_s += created_s;
-    world_free(world);
+    sample_free(sample);
     scene_free(scene);
     free(scene);
     return status;

@@ -13,8 +13,8 @@
 #include "bench/timing.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
-#include "sim/measure.h"
-#include "sim/world.h"
+#include "sim/look/measure.h"
+#include "sim/sample/sample.h"
 #include "wallctl/law.h"
 
 enum {
@@ -30,8 +30,8 @@ enum per { PER_PARTICLE, PER_CONTACT, PER_WALL_CONTACT, PER_COUNT };
 static const char *const per_name[] = {"particle", "contact", "wall contact"};
 
 struct bench {
-    struct world *world;
-    struct scene *scene;                /* of the world */
+    struct sample *sample;
+    struct scene *scene;                /* of the sample */
     struct scene_coupling every, asked; /* an exchange at every step; as the scene has it */
     int left;                           /* steps until the next exchange */
     struct held_energy held;            /* for the controller's conditions */
@@ -42,22 +42,22 @@ struct bench {
 
 static enum status exchange(struct bench *bench)
 {
-    struct world *world = bench->world;
+    struct sample *sample = bench->sample;
     struct wall_state state;
     struct wall_command command;
-    if (world->stage >= 0 && world->step - bench->energy_step >= ENERGY_STEPS) { /* no law before the first stage */
-        bench->held = measure_held_energy(world);
-        bench->energy_step = world->step;
+    if (sample->stage >= 0 && sample->step - bench->energy_step >= ENERGY_STEPS) { /* no law before the first stage */
+        bench->held = measure_held_energy(sample);
+        bench->energy_step = sample->step;
     }
-    world_wall_state(world, &state);
+    sample_wall_state(sample, &state);
     state.kinetic_energy_j = bench->held.kinetic_j;
     state.elastic_energy_j = bench->held.elastic_j;
     state.energy_step = bench->energy_step;
-    TRY(wallctl_law(world->scene, &state, &command));
+    TRY(wallctl_law(sample->scene, &state, &command));
     if (command.finished)
         return status_fail(STATUS_LIMIT, "the last stage is shorter than what is measured");
     bench->left = command.n_steps;
-    return world_command(world, &command);
+    return sample_command(sample, &command);
 }
 
 /* One step, as those of `sim --in-process`: an exchange with the law when one is due. */
@@ -67,7 +67,7 @@ static enum status next_step(struct bench *bench, const struct scene_coupling *c
     if (bench->left == 0)
         TRY(exchange(bench));
     bench->left--;
-    return world_step_open(bench->world);
+    return sample_step_open(bench->sample);
 }
 
 static enum status one_step(void *user)
@@ -83,59 +83,59 @@ static enum status one_step_of_run(void *user)
 }
 
 /* The parts, each as often as wanted at one state: no time passes (dt = 0), so nothing changes. */
-static struct world *at_rest(void *user)
+static struct sample *at_rest(void *user)
 {
-    struct world *world = ((struct bench *)user)->world;
-    world->law.dt = 0;
-    return world;
+    struct sample *sample = ((struct bench *)user)->sample;
+    sample->law.dt = 0;
+    return sample;
 }
 
 static enum status one_pair(void *user)
 {
-    struct world *world = at_rest(user);
+    struct sample *sample = at_rest(user);
     struct contact_losses losses = {0};
-    world->kernels.pair(&world->particles, &world->pairs, 0, world->pairs.slots.n_spans, &world->law,
-                        world->particles.force, &losses);
+    sample->kernels.pair(&sample->particles, &sample->pairs, 0, sample->pairs.slots.n_spans, &sample->law,
+                         sample->particles.force, &losses);
     return STATUS_OK;
 }
 
 static enum status one_walls(void *user)
 {
-    struct world *world = at_rest(user);
+    struct sample *sample = at_rest(user);
     struct contact_losses losses = {0};
-    for (int w = 0; w < world->n_walls; w++)
-        world->kernels.wall(&world->particles, &world->walls[w], &world->law, &losses);
+    for (int w = 0; w < sample->n_walls; w++)
+        sample->kernels.wall(&sample->particles, &sample->walls[w], &sample->law, &losses);
     return STATUS_OK;
 }
 
 static enum status one_advance(void *user)
 {
-    struct world *world = at_rest(user);
+    struct sample *sample = at_rest(user);
     const struct kick_constants constants = {0};
     double power_w;
-    (void)world->kernels.advance(&world->particles, &constants, 0, INFINITY, &power_w);
+    (void)sample->kernels.advance(&sample->particles, &constants, 0, INFINITY, &power_w);
     return STATUS_OK;
 }
 
 static enum status one_drift(void *user)
 {
-    struct world *world = at_rest(user);
-    (void)world->kernels.drift(&world->particles, 0, 0, INFINITY);
+    struct sample *sample = at_rest(user);
+    (void)sample->kernels.drift(&sample->particles, 0, 0, INFINITY);
     return STATUS_OK;
 }
 
 static enum status one_kick(void *user)
 {
-    struct world *world = at_rest(user);
+    struct sample *sample = at_rest(user);
     const struct kick_constants constants = {0};
-    (void)world->kernels.kick(&world->particles, &constants);
+    (void)sample->kernels.kick(&sample->particles, &constants);
     return STATUS_OK;
 }
 
 static enum status one_build(void *user)
 {
-    struct world *world = at_rest(user);
-    return world_build_lists(world);
+    struct sample *sample = at_rest(user);
+    return sample_build_lists(sample);
 }
 
 static const struct part {
@@ -150,8 +150,8 @@ static const struct part {
 
 static void report(struct bench *bench, const struct part *part, const struct timing *t, double step_us)
 {
-    const struct world *world = bench->world;
-    const char *precision = world->pairs.single ? "mixed" : "double", *isa = kernel_isa_name(world->isa);
+    const struct sample *sample = bench->sample;
+    const char *precision = sample->pairs.single ? "mixed" : "double", *isa = kernel_isa_name(sample->isa);
     double n = bench->n[part->per] ? bench->n[part->per] : 1, ns = 1e3 * t->least_us / n;
     printf("%-6s %-9s %-7s %9.2f %9.2f %5.0f %% %9.2f ns per %-12s", precision, isa, part->name, t->least_us,
            t->median_us, 100 * t->least_us / step_us, ns, per_name[part->per]);
@@ -169,12 +169,12 @@ static void report(struct bench *bench, const struct part *part, const struct ti
 
 static enum status measure_isa(struct bench *bench, enum kernel_isa isa)
 {
-    struct world *world = bench->world;
+    struct sample *sample = bench->sample;
     const int blocks = isa == ISA_reference ? BLOCKS_OF_REFERENCE : BLOCKS;
     double step_us = 0;
-    world->isa = isa;
-    world->kernels = kernels_select(isa, world->particles.dimension, world->pairs.hysteretic,
-                                    world->pairs.n_springs > 0, world->pairs.single);
+    sample->isa = isa;
+    sample->kernels = kernels_select(isa, sample->particles.dimension, sample->pairs.hysteretic,
+                                     sample->pairs.n_springs > 0, sample->pairs.single);
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
         struct timing timing;
         if (k == 0)
@@ -183,22 +183,22 @@ static enum status measure_isa(struct bench *bench, enum kernel_isa isa)
         step_us = k == 0 ? timing.least_us : step_us;
         report(bench, &parts[k], &timing, step_us);
         if (parts[k].run == one_step_of_run)
-            world_settle(world);
+            sample_complete(sample);
     }
     return STATUS_OK;
 }
 
 static void count(struct bench *bench)
 {
-    const struct world *world = bench->world;
-    bench->n[PER_PARTICLE] = world->particles.count;
+    const struct sample *sample = bench->sample;
+    bench->n[PER_PARTICLE] = sample->particles.count;
     bench->n[PER_WALL_CONTACT] = 0;
-    for (int w = 0; w < world->n_walls; w++)
-        bench->n[PER_WALL_CONTACT] += world->walls[w].contacts.count;
-    bench->n[PER_CONTACT] = world->pairs.count; /* candidates */
+    for (int w = 0; w < sample->n_walls; w++)
+        bench->n[PER_WALL_CONTACT] += sample->walls[w].contacts.count;
+    bench->n[PER_CONTACT] = sample->pairs.count; /* candidates */
     printf("%s: %d particles, %d contacts with walls, %d candidates between particles in %d slots, %d at walls\n",
-           world->scene->name, world->particles.count, measure_contacts(world, NULL), world->pairs.count,
-           world->pairs.n_sets * SET_WIDTH, bench->n[PER_WALL_CONTACT]);
+           sample->scene->name, sample->particles.count, measure_contacts(sample, NULL), sample->pairs.count,
+           sample->pairs.n_sets * SET_WIDTH, bench->n[PER_WALL_CONTACT]);
 }
 
 /* Steps of the run first, until the skin of the lists suits them. */
@@ -214,7 +214,7 @@ static enum status measure_precision(struct bench *bench, int precision)
     bench->scene->precision = precision;
     bench->left = 0;
     bench->energy_step = 0;
-    enum status status = world_create(&bench->world, bench->scene);
+    enum status status = sample_create(&bench->sample, bench->scene);
     if (status == STATUS_OK)
         status = warm_up(bench);
     if (status == STATUS_OK)
@@ -225,7 +225,7 @@ static enum status measure_precision(struct bench *bench, int precision)
         else
             printf("*** %s: THIS CPU CANNOT RUN IT, NOT MEASURED ***\n", kernel_isa_name(isa));
     }
-    world_free(bench->world);
+    sample_free(bench->sample);
     return status;
 }
 

@@ -4,8 +4,8 @@
 
 #include "bench/coupling_bench.h"
 #include "bench/prepare.h"
-#include "sim/checkpoint.h"
-#include "sim/world.h"
+#include "sim/run/checkpoint.h"
+#include "sim/sample/sample.h"
 
 enum { OVERRIDES_MAX = 32 };
 static const double SHIFT_M = 1e-13, LIMIT_S = 300;
@@ -45,13 +45,13 @@ double coupling_error(const struct coupling_case *at, const struct curve_errors 
 static enum status make_shifted(struct coupling_work *work)
 {
     char path[COUPLING_PATH_MAX + 32];
-    struct world *world;
+    struct sample *sample;
     const struct run_progress progress = {0};
     snprintf(path, sizeof path, "%s/shifted.h5", work->folder);
-    TRY(world_create(&world, work->scene));
-    world->particles.x[0][world->particles.count / 2] += SHIFT_M;
-    enum status status = checkpoint_write(path, world, &progress);
-    world_free(world);
+    TRY(sample_create(&sample, work->scene));
+    sample->particles.x[0][sample->particles.count / 2] += SHIFT_M;
+    enum status status = checkpoint_write(path, sample, &progress);
+    sample_free(sample);
     TRY(status);
     return prepare_path(path, work->shifted);
 }

@@ -7,8 +7,8 @@
 #include "bench/child.h"
 #include "bench/coupling_bench.h"
 #include "bench/prepare.h"
-#include "sim/checkpoint.h"
-#include "sim/world.h"
+#include "sim/run/checkpoint.h"
+#include "sim/sample/sample.h"
 
 struct hard_case {
     const char *name, *title;
@@ -44,14 +44,14 @@ struct hard_work {
 static enum status vary(struct hard_work *work, double shift_m, const char *name, char *checkpoint)
 {
     char path[COUPLING_PATH_MAX + 64];
-    struct world *world;
+    struct sample *sample;
     const struct run_progress progress = {0};
     snprintf(path, sizeof path, "%s/%s", work->folder, name);
-    TRY(world_create(&world, work->from->scene));
-    world->walls[1].x += work->at->away_m;
-    world->particles.x[0][world->particles.count / 2] += shift_m;
-    enum status status = checkpoint_write(path, world, &progress);
-    world_free(world);
+    TRY(sample_create(&sample, work->from->scene));
+    sample->walls[1].x += work->at->away_m;
+    sample->particles.x[0][sample->particles.count / 2] += shift_m;
+    enum status status = checkpoint_write(path, sample, &progress);
+    sample_free(sample);
     TRY(status);
     return prepare_path(path, checkpoint);
 }

@@ -25,16 +25,16 @@ struct peers_work {
 };
 
 /* What the scene says, for peers: linear law with k1 in place of a hysteretic one. Walls and mean masses from the
- * world, which is of that scene. */
-struct peer_input peers_input_of(const struct scene *scene, const struct world *world);
+ * sample, which is of that scene. */
+struct peer_input peers_input_of(const struct scene *scene, const struct sample *sample);
 
 /* Writes the packing and the script, runs the peer in the folder (it leaves a log of its own wherever it runs), with
  * what it says in FOLDER/NAME.log. `input`->data is set; `input`->dump is a name in the folder. */
-enum status peers_run(struct peer_input *input, const struct world *world, const char *folder,
+enum status peers_run(struct peer_input *input, const struct sample *sample, const char *folder,
                       const char *name) MUST_USE;
 
 /* Mean radius [m]. */
-double peers_mean_radius(const struct world *world);
+double peers_mean_radius(const struct sample *sample);
 
 /* Forces on every particle, and positions after some hundred steps, of the peers and ours. Prints a table and adds it
  * to the report. */

@@ -4,23 +4,23 @@
 
 /* In 2D, LAMMPS wants a thin box about z = 0; LIGGGHTS, which steps it in 3D so that masses are those of spheres, one
  * that is far from all particles. */
-static double half_depth(enum peer peer, const struct world *world)
+static double half_depth(enum peer peer, const struct sample *sample)
 {
-    const struct particles *p = &world->particles;
+    const struct particles *p = &sample->particles;
     double largest = 0;
     for (int i = 0; i < p->count; i++)
         largest = fmax(largest, p->radius[i]);
     return peer == PEER_LAMMPS ? 0.1 * largest : 10 * largest;
 }
 
-void peers_write_data(FILE *out, enum peer peer, const struct world *world)
+void peers_write_data(FILE *out, enum peer peer, const struct sample *sample)
 {
-    const struct particles *p = &world->particles;
-    const double pi = acos(-1.0), depth = half_depth(peer, world);
+    const struct particles *p = &sample->particles;
+    const double pi = acos(-1.0), depth = half_depth(peer, sample);
     fprintf(out, "packing written by shakedown\n\n%d atoms\n1 atom types\n", p->count);
     for (int c = 0; c < 3; c++) {
-        double lo = c < p->dimension ? world->walls[2 * c].x : -depth;
-        double hi = c < p->dimension ? world->walls[2 * c + 1].x : depth;
+        double lo = c < p->dimension ? sample->walls[2 * c].x : -depth;
+        double hi = c < p->dimension ? sample->walls[2 * c + 1].x : depth;
         fprintf(out, "%.17g %.17g %clo %chi\n", lo, hi, 'x' + c, 'x' + c);
     }
     fprintf(out, "\nAtoms\n\n");

@@ -7,7 +7,7 @@
 #include <stdio.h>
 
 #include "common/scene.h"
-#include "sim/world.h"
+#include "sim/sample/sample.h"
 
 enum peer { PEER_LAMMPS, PEER_LIGGGHTS };
 
@@ -37,7 +37,7 @@ struct peer_input {
 
 /* The packing as a data file of atom style sphere (LIGGGHTS: granular). 2D: our components x, z become x, y, at z = 0.
  */
-void peers_write_data(FILE *out, enum peer peer, const struct world *world);
+void peers_write_data(FILE *out, enum peer peer, const struct sample *sample);
 
 void peers_write_script(FILE *out, const struct peer_input *input);
 

@@ -8,8 +8,8 @@
 #include "bench/peers_bench.h"
 #include "bench/peers_output.h"
 #include "bench/prepare.h"
-#include "sim/integrate.h"
-#include "sim/measure.h"
+#include "sim/look/measure.h"
+#include "sim/sample/time_step.h"
 
 enum { PATH_STEPS = 200 };
 
@@ -63,33 +63,33 @@ static void set_law(struct scene *scene, const struct trial *trial, bool hystere
 /* No history, as the peers start without. No rotation: the peers' lever arms are shorter by half the overlap. speed:
  * 0 leaves the velocities; else they are those of a compression, unlike along the axes, with about this relative
  * velocity in contacts: all approach, as we let none pull and rub, and the peers do. */
-static enum status set_state(struct world *world, double speed)
+static enum status set_state(struct sample *sample, double speed)
 {
     static const double share[3] = {1, 0.6, 0.3};
-    const double rate = speed / (2 * peers_mean_radius(world));
-    struct particles *p = &world->particles;
-    TRY(prepare_forget(world));
+    const double rate = speed / (2 * peers_mean_radius(sample));
+    struct particles *p = &sample->particles;
+    TRY(prepare_forget(sample));
     for (int c = 0; c < p->n_rotations; c++)
         memset(p->omega[c], 0, (size_t)p->count * sizeof(double));
     for (int c = 0; speed > 0 && c < p->dimension; c++)
         for (int i = 0; i < p->count; i++)
-            p->v[c][i] = -share[c] * rate * (p->x[c][i] - 0.5 * (world->walls[2 * c].x + world->walls[2 * c + 1].x));
+            p->v[c][i] = -share[c] * rate * (p->x[c][i] - 0.5 * (sample->walls[2 * c].x + sample->walls[2 * c + 1].x));
     return STATUS_OK;
 }
 
 /* Its law, walls that stay. */
-static enum status start_stage(struct world *world)
+static enum status start_stage(struct sample *sample)
 {
-    struct wall_command command = {.n_steps = INT_MAX, .n_walls = world->n_walls};
-    for (int w = 0; w < world->n_walls; w++)
-        command.position_m[w] = world->walls[w].x;
-    return world_command(world, &command);
+    struct wall_command command = {.n_steps = INT_MAX, .n_walls = sample->n_walls};
+    for (int w = 0; w < sample->n_walls; w++)
+        command.position_m[w] = sample->walls[w].x;
+    return sample_command(sample, &command);
 }
 
-/* [3 count] by id, components that the world lacks zero. */
-static void positions_and_forces(const struct world *world, double *x, double *f)
+/* [3 count] by id, components that the sample lacks zero. */
+static void positions_and_forces(const struct sample *sample, double *x, double *f)
 {
-    const struct particles *p = &world->particles;
+    const struct particles *p = &sample->particles;
     for (int i = 0; i < p->count; i++)
         for (int c = 0; c < 3; c++) {
             x[3 * p->id[i] + c] = c < p->dimension ? p->x[c][i] : 0;
@@ -97,13 +97,13 @@ static void positions_and_forces(const struct world *world, double *x, double *f
         }
 }
 
-static enum status mean_contact_force(const struct world *world, double *mean)
+static enum status mean_contact_force(const struct sample *sample, double *mean)
 {
-    int n = measure_contacts(world, NULL);
+    int n = measure_contacts(sample, NULL);
     struct contact_measurement *contacts = malloc(sizeof *contacts * (size_t)(n + 1));
     if (!contacts)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    n = measure_contacts(world, contacts);
+    n = measure_contacts(sample, contacts);
     *mean = 0;
     for (int k = 0; k < n; k++)
         *mean += fabs(contacts[k].normal_force_n) / n;
@@ -136,11 +136,11 @@ static void states_free(struct states *states)
     free(states->theirs_force);
 }
 
-static enum status run_peer(const struct trial *trial, const struct scene *scene, const struct world *world,
+static enum status run_peer(const struct trial *trial, const struct scene *scene, const struct sample *sample,
                             const char *folder, struct states *states)
 {
     char dump[1024], *text;
-    struct peer_input input = peers_input_of(scene, world);
+    struct peer_input input = peers_input_of(scene, sample);
     snprintf(dump, sizeof dump, "%s/dump", folder);
     input.peer = trial->peer;
     input.law = trial->law;
@@ -148,28 +148,28 @@ static enum status run_peer(const struct trial *trial, const struct scene *scene
     input.gamma_b = 0;
     input.steps = trial->steps;
     input.restitution = 1;
-    TRY(peers_run(&input, world, folder, "physics"));
+    TRY(peers_run(&input, sample, folder, "physics"));
     TRY(file_read(dump, &text));
-    enum status status = peers_read_dump(text, world->particles.count, states->theirs, states->theirs_force);
+    enum status status = peers_read_dump(text, sample->particles.count, states->theirs, states->theirs_force);
     free(text);
     return status;
 }
 
-static enum status both(const struct trial *trial, const struct scene *scene, struct world *world, const char *folder,
+static enum status both(const struct trial *trial, const struct scene *scene, struct sample *sample, const char *folder,
                         struct states *states)
 {
     const struct scene_material *m = &scene->stage[0].material;
-    TRY(states_init(states, world->particles.count));
-    TRY(start_stage(world));
-    TRY(mean_contact_force(world, &states->mean_force));       /* of the prepared state */
+    TRY(states_init(states, sample->particles.count));
+    TRY(start_stage(sample));
+    TRY(mean_contact_force(sample, &states->mean_force));      /* of the prepared state */
     bool moves = trial->steps == 0 && m->gamma_n_kg_per_s > 0; /* damping adds about a tenth to the forces */
-    TRY(set_state(world, moves ? 0.1 * states->mean_force / m->gamma_n_kg_per_s : 0));
-    TRY(run_peer(trial, scene, world, folder, states));
-    integrate_forces_anew(world);
-    positions_and_forces(world, states->start, states->ours_force);
+    TRY(set_state(sample, moves ? 0.1 * states->mean_force / m->gamma_n_kg_per_s : 0));
+    TRY(run_peer(trial, scene, sample, folder, states));
+    time_step_forces_anew(sample);
+    positions_and_forces(sample, states->start, states->ours_force);
     for (long k = 0; k < trial->steps; k++)
-        TRY(world_step(world));
-    positions_and_forces(world, states->ours, states->ours_force);
+        TRY(sample_step(sample));
+    positions_and_forces(sample, states->ours, states->ours_force);
     return STATUS_OK;
 }
 
@@ -195,19 +195,19 @@ static void report_trial(const struct trial *trial, const struct states *states,
 static enum status run_trial(const struct trial *trial, const struct scene *original, const char *folder, json_t *rows)
 {
     struct states states = {0};
-    struct world *world = NULL;
+    struct sample *sample = NULL;
     struct scene *scene = malloc(sizeof *scene);
     if (!scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
     *scene = *original; /* its text stays the original's */
     set_law(scene, trial, scene_is_hysteretic(original));
-    enum status status = world_create(&world, scene);
+    enum status status = sample_create(&sample, scene);
     if (status == STATUS_OK)
-        status = both(trial, scene, world, folder, &states);
+        status = both(trial, scene, sample, folder, &states);
     if (status == STATUS_OK)
-        report_trial(trial, &states, world->particles.count, rows);
+        report_trial(trial, &states, sample->particles.count, rows);
     states_free(&states);
-    world_free(world);
+    sample_free(sample);
     free(scene);
     return status;
 }

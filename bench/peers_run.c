@@ -7,22 +7,22 @@
 
 static const char *const PROGRAM[] = {[PEER_LAMMPS] = "lmp", [PEER_LIGGGHTS] = "liggghts"};
 
-double peers_mean_radius(const struct world *world)
+double peers_mean_radius(const struct sample *sample)
 {
     double sum = 0;
-    for (int i = 0; i < world->particles.count; i++)
-        sum += world->particles.radius[i];
-    return sum / world->particles.count;
+    for (int i = 0; i < sample->particles.count; i++)
+        sum += sample->particles.radius[i];
+    return sum / sample->particles.count;
 }
 
-struct peer_input peers_input_of(const struct scene *scene, const struct world *world)
+struct peer_input peers_input_of(const struct scene *scene, const struct sample *sample)
 {
     const struct scene_material *m = &scene->stage[0].material;
     bool hysteretic = m->law == LAW_HYSTERETIC;
     double mass = 0;
-    for (int i = 0; i < world->particles.count; i++)
-        mass += world->particles.mass[i] / world->particles.count;
-    struct peer_input input = {.dimension = world->particles.dimension,
+    for (int i = 0; i < sample->particles.count; i++)
+        mass += sample->particles.mass[i] / sample->particles.count;
+    struct peer_input input = {.dimension = sample->particles.dimension,
                                .frictional = m->mu_s > 0 || m->mu_d > 0,
                                .kn = hysteretic ? m->k1_n_per_m : m->kn_n_per_m,
                                .gamma_n = m->gamma_n_kg_per_s,
@@ -34,21 +34,21 @@ struct peer_input peers_input_of(const struct scene *scene, const struct world *
                                .reduced_mass = 0.5 * mass,
                                .gamma_b = m->gamma_b_kg_per_s,
                                .dt_s = scene->stage[0].dt_s,
-                               .skin_m = 0.1 * peers_mean_radius(world)};
+                               .skin_m = 0.1 * peers_mean_radius(sample)};
     for (int c = 0; c < input.dimension; c++) {
-        input.lo[c] = world->walls[2 * c].x;
-        input.hi[c] = world->walls[2 * c + 1].x;
+        input.lo[c] = sample->walls[2 * c].x;
+        input.hi[c] = sample->walls[2 * c + 1].x;
     }
     return input;
 }
 
-static enum status write_files(const struct peer_input *input, const struct world *world, const char *data_path,
+static enum status write_files(const struct peer_input *input, const struct sample *sample, const char *data_path,
                                const char *script)
 {
     FILE *data = fopen(data_path, "w"), *in = fopen(script, "w");
     bool good = data && in;
     if (good) {
-        peers_write_data(data, input->peer, world);
+        peers_write_data(data, input->peer, sample);
         peers_write_script(in, input);
     }
     good = (!data || fclose(data) == 0) && good;
@@ -56,14 +56,14 @@ static enum status write_files(const struct peer_input *input, const struct worl
     return good ? STATUS_OK : status_fail(STATUS_IO, "%s or %s cannot be written", data_path, script);
 }
 
-enum status peers_run(struct peer_input *input, const struct world *world, const char *folder, const char *name)
+enum status peers_run(struct peer_input *input, const struct sample *sample, const char *folder, const char *name)
 {
     char data[1024], script[1024], log[1024];
     snprintf(data, sizeof data, "%s/%s.data", folder, name);
     snprintf(script, sizeof script, "%s/%s.in", folder, name);
     snprintf(log, sizeof log, "%s/%s.log", folder, name);
     input->data = strrchr(data, '/') + 1;
-    enum status status = write_files(input, world, data, script);
+    enum status status = write_files(input, sample, data, script);
     if (status == STATUS_OK) {
         const char *const argv[] = {
             PROGRAM[input->peer], "-in", strrchr(script, '/') + 1, "-log", "none", "-nocite", NULL};

@@ -9,7 +9,7 @@
 #include "bench/peers_bench.h"
 #include "bench/peers_output.h"
 #include "bench/prepare.h"
-#include "sim/kernels.h"
+#include "sim/kernels/kernels.h"
 
 enum { CONTESTANTS_MAX = 12, TUNE_STEPS = 500, WARM_UP = 50 };
 
@@ -67,7 +67,7 @@ static const struct contestant FRICTIONAL[] = {
 struct timing {
     const struct peers_work *work;
     struct scene *peers_scene; /* the last stage from the settled sample */
-    struct world *world;       /* and its world */
+    struct sample *sample;     /* and its sample */
     char scene_path[1100];     /* of ours */
     struct contestant contestant[CONTESTANTS_MAX];
     int n;
@@ -102,16 +102,16 @@ static enum status time_ours(const struct timing *timing, const struct contestan
 
 static enum status time_peer(const struct timing *timing, const struct contestant *c, long steps, double *us)
 {
-    struct peer_input input = peers_input_of(timing->peers_scene, timing->world);
+    struct peer_input input = peers_input_of(timing->peers_scene, timing->sample);
     input.peer = c->peer;
     input.law = c->law;
     input.walls_move = c->walls_move;
-    input.skin_m = c->skin_ratio * peers_mean_radius(timing->world);
+    input.skin_m = c->skin_ratio * peers_mean_radius(timing->sample);
     input.delay = c->delay;
     input.warm_up = WARM_UP;
     input.steps = steps;
     input.restitution = 0.9;
-    TRY(peers_run(&input, timing->world, timing->work->folder, "timing"));
+    TRY(peers_run(&input, timing->sample, timing->work->folder, "timing"));
     return read_time(timing->work->folder, "timing", us);
 }
 
@@ -288,7 +288,7 @@ static enum status make_peers_world(struct timing *timing)
         TRY(settle(work, checkpoint));
         prepare_stage(timing->peers_scene, 0, checkpoint);
     }
-    return world_create(&timing->world, timing->peers_scene);
+    return sample_create(&timing->sample, timing->peers_scene);
 }
 
 enum status peers_timing(const struct peers_work *work)
@@ -308,7 +308,7 @@ enum status peers_timing(const struct peers_work *work)
     if (status == STATUS_OK)
         status = take_turns(timing, work->reps, rows);
     if (timing)
-        world_free(timing->world);
+        sample_free(timing->sample);
     free(scene);
     free(timing);
     return status;

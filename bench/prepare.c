@@ -45,15 +45,15 @@ static enum status keep(const struct scene *scene, const char *folder, const cha
     return STATUS_OK;
 }
 
-enum status prepare_forget(struct world *world)
+enum status prepare_forget(struct sample *sample)
 {
-    for (int l = 0; l <= world->n_walls; l++) {
-        struct contact_list *list = l == 0 ? &world->pairs : &world->walls[l - 1].contacts;
+    for (int l = 0; l <= sample->n_walls; l++) {
+        struct contact_list *list = l == 0 ? &sample->pairs : &sample->walls[l - 1].contacts;
         contact_list_read(list);
         for (int k = 0; k < list->count; k++)
             contact_list_clear(list, k);
     }
-    return world_close_lists(world);
+    return sample_close_lists(sample);
 }
 
 enum status prepare_path(const char *file, char *checkpoint)

@@ -3,7 +3,7 @@
 #define SHAKEDOWN_BENCH_PREPARE_H
 
 #include "common/scene.h"
-#include "sim/world.h"
+#include "sim/sample/sample.h"
 
 /* Runs all stages but the last of the scene at `path`, with `overrides` ["path=value"], by the program `sim`, and keeps
  * the sample as FOLDER/prepared.h5, its name in `checkpoint` [CONFIG_STRING_MAX]. One that is there already is taken as
@@ -15,7 +15,7 @@ enum status prepare_sample(const char *sim, const char *path, const char *const 
 void prepare_stage(struct scene *scene, int stage, const char *checkpoint);
 
 /* Leaves no contact of the sample a history, spring or state of sliding. STATUS_NO_MEMORY. */
-enum status prepare_forget(struct world *world) MUST_USE;
+enum status prepare_forget(struct sample *sample) MUST_USE;
 
 /* The name of an existing file as a scene takes it: absolute, and not too long. `checkpoint` [CONFIG_STRING_MAX]. */
 enum status prepare_path(const char *file, char *checkpoint) MUST_USE;

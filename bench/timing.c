@@ -10,7 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "sim/memory.h"
+#include "sim/base/aligned_array.h"
 
 enum { BLOCKS_MAX = 100 };
 

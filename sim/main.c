@@ -7,8 +7,8 @@
 #include "common/floating_point.h"
 #include "common/scene.h"
 #include "common/signals.h"
-#include "sim/explain.h"
-#include "sim/run.h"
+#include "sim/look/explain.h"
+#include "sim/run/run.h"
 
 static const char usage[] =
     "sim SCENE [--set key=value]... [--seed N] [--run-id N] [--lcm URL] [--in-process] [--progress]\n"

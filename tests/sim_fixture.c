@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/measure.h"
+#include "sim/look/measure.h"
 #include "wallctl/law.h"
 
 void must(enum status status)
@@ -44,7 +44,7 @@ void fixture_scene_free(struct scene *scene)
 struct fixture fixture_from_text(const char *text)
 {
     struct fixture fixture = {.scene = fixture_scene_of(text)};
-    must(world_create(&fixture.world, fixture.scene));
+    must(sample_create(&fixture.sample, fixture.scene));
     return fixture;
 }
 
@@ -65,25 +65,25 @@ struct fixture fixture_open(const struct fixture_options *options)
 
 void fixture_close(struct fixture *fixture)
 {
-    world_free(fixture->world);
+    sample_free(fixture->sample);
     fixture_scene_free(fixture->scene);
 }
 
 void fixture_start(struct fixture *fixture)
 {
-    struct world *world = fixture->world;
-    struct wall_command command = {.n_steps = INT_MAX, .n_walls = world->n_walls};
-    particles_set_mass(&world->particles, fixture->scene->sample.density_kg_per_m3);
-    must(world_build_lists(world));
-    for (int w = 0; w < world->n_walls; w++)
-        command.position_m[w] = world->walls[w].x;
-    must(world_command(world, &command));
+    struct sample *sample = fixture->sample;
+    struct wall_command command = {.n_steps = INT_MAX, .n_walls = sample->n_walls};
+    particles_set_mass(&sample->particles, fixture->scene->sample.density_kg_per_m3);
+    must(sample_build_lists(sample));
+    for (int w = 0; w < sample->n_walls; w++)
+        command.position_m[w] = sample->walls[w].x;
+    must(sample_command(sample, &command));
 }
 
 void fixture_steps(struct fixture *fixture, int n)
 {
     for (int k = 0; k < n; k++)
-        must(world_step(fixture->world));
+        must(sample_step(fixture->sample));
 }
 
 void fixture_run(struct fixture *fixture, int64_t n_steps)
@@ -93,27 +93,27 @@ void fixture_run(struct fixture *fixture, int64_t n_steps)
 
 enum status fixture_try(struct fixture *fixture, int64_t n_steps)
 {
-    struct world *world = fixture->world;
+    struct sample *sample = fixture->sample;
     const bool pipelined = fixture->scene->coupling.scheme == SCHEME_PIPELINED;
     struct wall_command command = {0};
-    while (world->step < n_steps) {
+    while (sample->step < n_steps) {
         struct wall_state state;
-        world_wall_state(world, &state);
+        sample_wall_state(sample, &state);
         state.energy_step = -1;   /* no condition is met on energies that were not measured */
         if (command.n_steps == 0) /* not asked for ahead */
             TRY(wallctl_law(fixture->scene, &state, &command));
         if (command.finished)
             return STATUS_OK;
-        TRY(world_command(world, &command));
+        TRY(sample_command(sample, &command));
         const int interval = command.n_steps;
         command.n_steps = 0;
         if (pipelined) {
-            world_wall_state_ahead(world, &state);
+            sample_wall_state_ahead(sample, &state);
             state.energy_step = -1;
             TRY(wallctl_law(fixture->scene, &state, &command));
         }
         for (int k = 0; k < interval; k++)
-            TRY(world_step(world));
+            TRY(sample_step(sample));
     }
     return STATUS_OK;
 }
@@ -123,12 +123,12 @@ struct fixture fixture_pair(const struct fixture_options *options, double overla
     struct fixture_options two = *options;
     two.count = 2;
     struct fixture fixture = fixture_open(&two);
-    struct particles *p = &fixture.world->particles;
+    struct particles *p = &fixture.sample->particles;
     double half = 0.5 * (p->radius[0] + p->radius[1] - overlap_m);
     for (int i = 0; i < 2; i++) {
         double side = i == 0 ? -1 : 1;
         for (int c = 0; c < p->dimension; c++)
-            p->x[c][i] = 0.5 * (fixture.world->walls[2 * c].x + fixture.world->walls[2 * c + 1].x);
+            p->x[c][i] = 0.5 * (fixture.sample->walls[2 * c].x + fixture.sample->walls[2 * c + 1].x);
         p->x[0][i] += side * half;
         p->v[0][i] = -0.5 * side * speed_m_per_s;
     }
@@ -138,7 +138,7 @@ struct fixture fixture_pair(const struct fixture_options *options, double overla
 
 double fixture_overlap(const struct fixture *fixture)
 {
-    const struct particles *p = &fixture->world->particles;
+    const struct particles *p = &fixture->sample->particles;
     double d2 = 0;
     for (int c = 0; c < p->dimension; c++)
         d2 += (p->x[c][0] - p->x[c][1]) * (p->x[c][0] - p->x[c][1]);
@@ -147,6 +147,6 @@ double fixture_overlap(const struct fixture *fixture)
 
 double fixture_approach(const struct fixture *fixture)
 {
-    const struct particles *p = &fixture->world->particles;
+    const struct particles *p = &fixture->sample->particles;
     return p->v[0][0] - p->v[0][1];
 }

@@ -1,5 +1,5 @@
-/* What the tests of the simulator share: a world made from a scene text, with particles placed by hand or compressed by
- * the control law in this process. */
+/* What the tests of the simulator share: a sample made from a scene text, with particles placed by hand or compressed
+ * by the control law in this process. */
 #ifndef SHAKEDOWN_TESTS_SIM_FIXTURE_H
 #define SHAKEDOWN_TESTS_SIM_FIXTURE_H
 
@@ -11,11 +11,11 @@
 #include <cmocka.h>
 
 #include "common/scene.h"
-#include "sim/world.h"
+#include "sim/sample/sample.h"
 
 struct fixture {
     struct scene *scene;
-    struct world *world;
+    struct sample *sample;
 };
 
 /* Scene of one stage with fixed walls. `material` goes into its group; `more` (may be "") stands at the end and may
@@ -33,7 +33,7 @@ void must(enum status status);
 struct scene *fixture_scene_of(const char *text);
 void fixture_scene_free(struct scene *scene);
 
-/* Scene and world; fixture_close releases both. */
+/* Scene and sample; fixture_close releases both. */
 struct fixture fixture_from_text(const char *text);
 struct fixture fixture_open(const struct fixture_options *options);
 void fixture_close(struct fixture *fixture);

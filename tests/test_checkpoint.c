@@ -1,4 +1,4 @@
-/* Checkpoints: a world that was saved and restored at any step goes on with the same bits; scenes that start from a
+/* Checkpoints: a sample that was saved and restored at any step goes on with the same bits; scenes that start from a
  * prepared sample; files that are damaged, foreign or of another scene. */
 #include <setjmp.h>
 #include <signal.h>
@@ -12,9 +12,9 @@
 
 #include <cmocka.h>
 
-#include "sim/checkpoint.h"
-#include "sim/checkpoint_file.h"
-#include "sim/measure.h"
+#include "sim/look/measure.h"
+#include "sim/run/checkpoint.h"
+#include "sim/run/checkpoint_file.h"
 #include "wallctl/law.h"
 
 static const char path[] = "test_checkpoint.h5";
@@ -75,27 +75,27 @@ static void must(enum status status)
 }
 
 /* Exchanges and steps until `step`, or to the end of the protocol. */
-static void go_on(struct world *world, int64_t step)
+static void go_on(struct sample *sample, int64_t step)
 {
-    while (world->step < step) {
+    while (sample->step < step) {
         struct wall_state state;
         struct wall_command command;
-        world_wall_state(world, &state);
-        must(wallctl_law(world->scene, &state, &command));
+        sample_wall_state(sample, &state);
+        must(wallctl_law(sample->scene, &state, &command));
         if (command.finished)
             return;
-        must(world_command(world, &command));
+        must(sample_command(sample, &command));
         for (int k = 0; k < command.n_steps; k++)
-            must(world_step(world));
+            must(sample_step(sample));
     }
 }
 
-static void assert_equal(const struct world *a, const struct world *b)
+static void assert_equal(const struct sample *a, const struct sample *b)
 {
     char difference[128];
     if (!checkpoint_equal(a, b, difference, sizeof difference))
         fail_msg("%s differs", difference);
-    assert_true(world_hash(a) == world_hash(b));
+    assert_true(sample_hash(a) == sample_hash(b));
 }
 
 static const struct run_progress progress = {.run_id = 12,
@@ -109,9 +109,9 @@ static const struct run_progress progress = {.run_id = 12,
 static void resume_at(const struct model *model, int64_t step, const char *more)
 {
     struct scene *scene = scene_make(model, PARTICLES, "", more);
-    struct world *whole, *resumed;
+    struct sample *whole, *resumed;
     struct run_progress taken;
-    must(world_create(&whole, scene));
+    must(sample_create(&whole, scene));
     go_on(whole, step);
     must(checkpoint_write(path, whole, &progress));
     must(checkpoint_resume(path, scene, &resumed, &taken));
@@ -121,14 +121,14 @@ static void resume_at(const struct model *model, int64_t step, const char *more)
     must(measure(whole, &before)); /* forces of the last step, too, are there */
     must(measure(resumed, &after));
     assert_memory_equal(&before, &after, sizeof before);
-    int64_t rebuilds = whole->neighbor.rebuilds;
+    int64_t rebuilds = whole->verlet.rebuilds;
     go_on(whole, INT64_MAX);
     go_on(resumed, INT64_MAX);
-    assert_true(step >= 2 * STAGE_STEPS || whole->neighbor.rebuilds > rebuilds); /* histories went through a rebuild */
+    assert_true(step >= 2 * STAGE_STEPS || whole->verlet.rebuilds > rebuilds); /* histories went through a rebuild */
     assert_int_equal(whole->step, 2 * STAGE_STEPS);
     assert_equal(whole, resumed);
-    world_free(whole);
-    world_free(resumed);
+    sample_free(whole);
+    sample_free(resumed);
     scene_drop(scene);
 }
 
@@ -148,17 +148,17 @@ static void test_same_bits(void **state)
 }
 
 /* The sample of `model` after its first stage, in the file. */
-static struct world *prepare(const struct model *model, struct scene **scene)
+static struct sample *prepare(const struct model *model, struct scene **scene)
 {
-    struct world *world;
+    struct sample *sample;
     *scene = scene_make(model, PARTICLES, "", "");
-    must(world_create(&world, *scene));
-    go_on(world, STAGE_STEPS);
-    must(checkpoint_write(path, world, &progress));
-    return world;
+    must(sample_create(&sample, *scene));
+    go_on(sample, STAGE_STEPS);
+    must(checkpoint_write(path, sample, &progress));
+    return sample;
 }
 
-static void check_history(const struct world *from, const struct world *to)
+static void check_history(const struct sample *from, const struct sample *to)
 {
     int touching = 0;
     for (int k = 0; k < to->pairs.count; k++) {
@@ -177,28 +177,28 @@ static void check_history(const struct world *from, const struct world *to)
     assert_true(!to->pairs.hysteretic || touching > 0);
 }
 
-static void start_from(const struct world *from, const struct model *model, uint64_t *hash)
+static void start_from(const struct sample *from, const struct model *model, uint64_t *hash)
 {
-    char sample[128];
-    snprintf(sample, sizeof sample, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
-    struct scene *scene = scene_make(model, PARTICLES, sample, "");
-    struct world *world;
-    must(world_create(&world, scene));
-    assert_int_equal(world->step, 0);
-    assert_int_equal(world->stage, -1);
+    char start[128];
+    snprintf(start, sizeof start, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
+    struct scene *scene = scene_make(model, PARTICLES, start, "");
+    struct sample *sample;
+    must(sample_create(&sample, scene));
+    assert_int_equal(sample->step, 0);
+    assert_int_equal(sample->stage, -1);
     size_t size = PARTICLES * sizeof(double);
     for (int c = 0; c < model->dimension; c++) {
-        assert_memory_equal(world->particles.x[c], from->particles.x[c], size);
-        assert_memory_equal(world->particles.v[c], from->particles.v[c], size);
+        assert_memory_equal(sample->particles.x[c], from->particles.x[c], size);
+        assert_memory_equal(sample->particles.v[c], from->particles.v[c], size);
     }
-    assert_memory_equal(world->particles.inv_mass, from->particles.inv_mass, size);
-    for (int w = 0; w < world->n_walls; w++)
-        assert_true(world->walls[w].x == from->walls[w].x && world->walls[w].v == 0);
-    check_history(from, world);
-    go_on(world, INT64_MAX);
-    assert_int_equal(world->step, 2 * STAGE_STEPS);
-    *hash = world_hash(world);
-    world_free(world);
+    assert_memory_equal(sample->particles.inv_mass, from->particles.inv_mass, size);
+    for (int w = 0; w < sample->n_walls; w++)
+        assert_true(sample->walls[w].x == from->walls[w].x && sample->walls[w].v == 0);
+    check_history(from, sample);
+    go_on(sample, INT64_MAX);
+    assert_int_equal(sample->step, 2 * STAGE_STEPS);
+    *hash = sample_hash(sample);
+    sample_free(sample);
     scene_drop(scene);
 }
 
@@ -208,7 +208,7 @@ static void test_shared_preparation(void **state)
     (void)state;
     for (int m = 0; m < N_MODELS; m++) {
         struct scene *scene;
-        struct world *prepared = prepare(&models[m], &scene);
+        struct sample *prepared = prepare(&models[m], &scene);
         uint64_t hash[N_MODELS] = {0}, again;
         for (int k = 0; k < N_MODELS; k++) {
             if (models[k].dimension != models[m].dimension)
@@ -218,19 +218,19 @@ static void test_shared_preparation(void **state)
         }
         start_from(prepared, &models[m], &again);
         assert_true(again == hash[m]);
-        world_free(prepared);
+        sample_free(prepared);
         scene_drop(scene);
     }
 }
 
 static void expect_no_start(const struct model *model, int count, const char *text)
 {
-    char sample[128];
-    struct world *world;
-    snprintf(sample, sizeof sample, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
-    struct scene *scene = scene_make(model, count, sample, "");
-    assert_int_equal(world_create(&world, scene), STATUS_CONFIG);
-    assert_null(world);
+    char start[128];
+    struct sample *sample;
+    snprintf(start, sizeof start, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
+    struct scene *scene = scene_make(model, count, start, "");
+    assert_int_equal(sample_create(&sample, scene), STATUS_CONFIG);
+    assert_null(sample);
     if (!strstr(status_message(), text))
         fail_msg("\"%s\" does not say \"%s\"", status_message(), text);
     scene_drop(scene);
@@ -239,10 +239,10 @@ static void expect_no_start(const struct model *model, int count, const char *te
 static void expect_no_resume(const struct model *model, const char *more, const char *text)
 {
     struct scene *scene = scene_make(model, PARTICLES, "", more);
-    struct world *world;
+    struct sample *sample;
     struct run_progress taken;
-    assert_int_equal(checkpoint_resume(path, scene, &world, &taken), STATUS_CONFIG);
-    assert_null(world);
+    assert_int_equal(checkpoint_resume(path, scene, &sample, &taken), STATUS_CONFIG);
+    assert_null(sample);
     if (!strstr(status_message(), text))
         fail_msg("\"%s\" does not say \"%s\"", status_message(), text);
     scene_drop(scene);
@@ -252,7 +252,7 @@ static void test_other_scenes(void **state)
 {
     struct scene *scene, *same;
     struct model other = models[1];
-    struct world *resumed, *world = prepare(&models[1], &scene);
+    struct sample *resumed, *sample = prepare(&models[1], &scene);
     struct run_progress taken;
     (void)state;
     expect_no_start(&models[1], PARTICLES + 1, "holds 64 particles, the scene says sample.count = 65");
@@ -267,8 +267,8 @@ static void test_other_scenes(void **state)
     expect_no_resume(&other, "", "material.gamma_br_kg_per_s");
     same = scene_make(&models[1], PARTICLES, "", "checkpoint_interval_s = 5.0; coupling = { timeout_s = 9.0; };");
     must(checkpoint_resume(path, same, &resumed, &taken)); /* how often, and how patiently, is free */
-    world_free(resumed);
-    world_free(world);
+    sample_free(resumed);
+    sample_free(sample);
     scene_drop(same);
     scene_drop(scene);
 }
@@ -297,19 +297,19 @@ static void file_write(const char *name, const unsigned char *bytes, size_t size
 
 static void expect_failure(const struct scene *scene, enum status expected)
 {
-    struct world *world;
+    struct sample *sample;
     struct run_progress taken;
-    enum status status = checkpoint_resume(path, scene, &world, &taken);
+    enum status status = checkpoint_resume(path, scene, &sample, &taken);
     if (status != expected)
         fail_msg("status %d instead of %d: %s", status, expected, status_message());
-    assert_null(world);
+    assert_null(sample);
     assert_non_null(strstr(status_message(), path));
 }
 
 static void test_damage(void **state)
 {
     struct scene *scene;
-    struct world *world = prepare(&models[3], &scene);
+    struct sample *sample = prepare(&models[3], &scene);
     size_t size;
     unsigned char *bytes = file_read(path, &size);
     (void)state;
@@ -332,7 +332,7 @@ static void test_damage(void **state)
     assert_int_equal(unlink(path), 0);
     expect_failure(scene, STATUS_IO);
     free(bytes);
-    world_free(world);
+    sample_free(sample);
     scene_drop(scene);
 }
 
@@ -359,32 +359,32 @@ static void forget(const char *member)
 /* A file that lacks what came later is no run to go on with, but a sample to start from. */
 static void test_older_files(void **state)
 {
-    static const char *const later[] = {"world/kicked_s", "walls/0/touching", "particles/v_rest"};
+    static const char *const later[] = {"sample/kicked_s", "walls/0/touching", "particles/v_rest"};
     static const char mixed[] = "precision = \"mixed\";";
-    char sample[128];
+    char start[128];
     struct run_progress taken;
-    struct world *resumed, *world, *started;
+    struct sample *resumed, *sample, *started;
     (void)state;
-    snprintf(sample, sizeof sample, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
+    snprintf(start, sizeof start, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
     struct scene *scene = scene_make(&models[3], PARTICLES, "", mixed);
-    struct scene *next = scene_make(&models[3], PARTICLES, sample, mixed);
-    must(world_create(&world, scene));
-    go_on(world, STAGE_STEPS);
+    struct scene *next = scene_make(&models[3], PARTICLES, start, mixed);
+    must(sample_create(&sample, scene));
+    go_on(sample, STAGE_STEPS);
     for (int k = 0; k < 3; k++) {
-        must(checkpoint_write(path, world, &progress));
+        must(checkpoint_write(path, sample, &progress));
         forget(later[k]);
         assert_int_equal(checkpoint_resume(path, scene, &resumed, &taken), STATUS_FORMAT);
         assert_null(resumed);
         assert_non_null(strstr(status_message(), later[k]));
         assert_non_null(strstr(status_message(), "an older version wrote it"));
-        must(world_create(&started, next));
+        must(sample_create(&started, next));
         for (int c = 0; c < 2; c++)
-            assert_memory_equal(started->particles.x[c], world->particles.x[c], PARTICLES * sizeof(double));
+            assert_memory_equal(started->particles.x[c], sample->particles.x[c], PARTICLES * sizeof(double));
         go_on(started, INT64_MAX);
         assert_int_equal(started->step, 2 * STAGE_STEPS);
-        world_free(started);
+        sample_free(started);
     }
-    world_free(world);
+    sample_free(sample);
     scene_drop(scene);
     scene_drop(next);
 }
@@ -392,7 +392,7 @@ static void test_older_files(void **state)
 static void test_full_disk(void **state)
 {
     struct scene *scene;
-    struct world *world = prepare(&models[1], &scene);
+    struct sample *sample = prepare(&models[1], &scene);
     struct rlimit before, limit;
     size_t size, now;
     unsigned char *bytes = file_read(path, &size);
@@ -402,18 +402,18 @@ static void test_full_disk(void **state)
     limit = before;
     limit.rlim_cur = size / 2;
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    go_on(world, STAGE_STEPS + 10);
-    enum status status = checkpoint_write(path, world, &progress);
+    go_on(sample, STAGE_STEPS + 10);
+    enum status status = checkpoint_write(path, sample, &progress);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
     assert_int_equal(status, STATUS_IO);
     unsigned char *after = file_read(path, &now);
     assert_int_equal(now, size);
     assert_memory_equal(after, bytes, size);
     assert_int_not_equal(access("test_checkpoint.h5.new", F_OK), 0);
-    assert_int_equal(checkpoint_write("no/such/folder.h5", world, &progress), STATUS_IO);
+    assert_int_equal(checkpoint_write("no/such/folder.h5", sample, &progress), STATUS_IO);
     free(after);
     free(bytes);
-    world_free(world);
+    sample_free(sample);
     scene_drop(scene);
 }
 
@@ -422,22 +422,22 @@ static void test_share(void **state)
 {
     static const char copy[] = "test_checkpoint_copy.h5";
     struct scene *scene;
-    struct world *world = prepare(&models[0], &scene);
+    struct sample *sample = prepare(&models[0], &scene);
     size_t size, copy_size;
     unsigned char *bytes = file_read(path, &size);
     (void)state;
     must(checkpoint_share(path, copy));
     must(checkpoint_share(path, copy)); /* again */
     assert_int_not_equal(access("test_checkpoint_copy.h5.new", F_OK), 0);
-    go_on(world, STAGE_STEPS + 10);
-    must(checkpoint_write(path, world, &progress));
+    go_on(sample, STAGE_STEPS + 10);
+    must(checkpoint_write(path, sample, &progress));
     unsigned char *shared = file_read(copy, &copy_size);
     assert_int_equal(copy_size, size);
     assert_memory_equal(shared, bytes, size);
     assert_int_equal(unlink(copy), 0);
     free(shared);
     free(bytes);
-    world_free(world);
+    sample_free(sample);
     scene_drop(scene);
 }
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/deal.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/contacts/slot_assignment.h"
 
 static struct contact_list list_of(int capacity)
 {
@@ -27,20 +27,20 @@ static int owner_of(const struct contact_list *list, int k)
 }
 
 /* Row r is one of block b, but not that of neighbours in the order. */
-static bool is_row_of(const struct deal *deal, int b, int r)
+static bool is_row_of(const struct slot_assignment *deal, int b, int r)
 {
-    for (int k = 0; k < deal_rows(deal, b); k++)
-        if (deal_row(deal, b, k) == r)
+    for (int k = 0; k < slot_assignment_rows(deal, b); k++)
+        if (slot_assignment_row(deal, b, k) == r)
             return true;
     return false;
 }
 
 /* Rows of whole sets belong to blocks that share SET_WIDTH particles side by side, each row in its place. */
-static void check_whole(const struct deal *deal, int b, int row)
+static void check_whole(const struct slot_assignment *deal, int b, int row)
 {
     const int shares = SET_WIDTH / deal->width, s = deal->width * b / SPAN_WIDTH, set = row / shares;
-    assert_in_range(set, deal_whole_set(deal, s), deal->span[s + 1] - 1);
-    if (set >= deal_halves_set(deal, s))
+    assert_in_range(set, slot_assignment_whole_set(deal, s), deal->span[s + 1] - 1);
+    if (set >= slot_assignment_halves_set(deal, s))
         return;
     assert_int_equal(row % shares, b % shares);
     for (int h = 0; h < shares; h++)
@@ -66,8 +66,8 @@ static void check_apart(const struct contact_list *list)
  * *others: pairs in them, may be NULL. */
 static int check_deal(struct contact_list *list, int n_particles, int width, int *others)
 {
-    struct deal deal;
-    must(deal_pairs(list, n_particles, width, SPAN_WIDTH, &deal));
+    struct slot_assignment deal;
+    must(slot_assignment_make(list, n_particles, width, SPAN_WIDTH, &deal));
     assert_int_equal(deal.n_blocks, (n_particles + width - 1) / width);
     assert_int_equal(deal.n_spans, (n_particles + SPAN_WIDTH - 1) / SPAN_WIDTH);
     assert_int_equal(deal.span[deal.n_spans], list->n_sets);
@@ -79,7 +79,7 @@ static int check_deal(struct contact_list *list, int n_particles, int width, int
         const int slot = (int)(list->slot[k] / 2), row = slot / width, owner = owner_of(list, k);
         const int b = owner / width, s = owner / SPAN_WIDTH;
         assert_in_range(slot / SET_WIDTH, deal.span[s], deal.span[s + 1] - 1);
-        if (!deal.chained || row != deal_next_row(&deal, b)) {
+        if (!deal.chained || row != slot_assignment_chain_row(&deal, b)) {
             assert_true(is_row_of(&deal, b, row));
             n_others++;
         } else {
@@ -90,8 +90,8 @@ static int check_deal(struct contact_list *list, int n_particles, int width, int
         taken[slot] = used[row] = true;
     }
     for (int b = 0; b < deal.n_blocks; b++) /* none is empty but of neighbours in the order, none has two blocks */
-        for (int k = 0; k < deal_rows(&deal, b); k++, rows++) {
-            const int row = deal_row(&deal, b, k);
+        for (int k = 0; k < slot_assignment_rows(&deal, b); k++, rows++) {
+            const int row = slot_assignment_row(&deal, b, k);
             check_whole(&deal, b, row);
             assert_true(used[row]);
             used[row] = false;
@@ -111,13 +111,13 @@ static int check_deal(struct contact_list *list, int n_particles, int width, int
 static void check_repeats(const struct contact_list *list, int n_particles, int width)
 {
     struct contact_list again = list_of(list->count);
-    struct deal deal;
+    struct slot_assignment deal;
     for (int k = 0; k < list->count; k++)
         add(&again, list->i[k], list->j[k]);
     again.search_max = list->search_max;
     again.single = list->single;
     for (int round = 0; round < 2; round++) {
-        must(deal_pairs(&again, n_particles, width, SPAN_WIDTH, &deal));
+        must(slot_assignment_make(&again, n_particles, width, SPAN_WIDTH, &deal));
         assert_memory_equal(again.slot, list->slot, (size_t)list->count * sizeof *list->slot);
     }
     contact_list_free(&again);

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "sim/integrate.h"
-#include "sim/measure.h"
+#include "sim/look/measure.h"
+#include "sim/sample/time_step.h"
 
 static const double PI = 3.14159265358979323846;
 static const double G = 9.81; /* m/s^2 */
@@ -42,9 +42,9 @@ static double slip_velocity(const struct particles *p, int i)
 
 static void put_on_floor(struct fixture *f, double overlap, double vx, double vn)
 {
-    struct particles *p = &f->world->particles;
+    struct particles *p = &f->sample->particles;
     int last = p->dimension - 1;
-    p->x[last][0] = f->world->walls[2 * last].x + p->radius[0] - overlap;
+    p->x[last][0] = f->sample->walls[2 * last].x + p->radius[0] - overlap;
     p->v[0][0] = vx;
     p->v[last][0] = -vn;
 }
@@ -62,12 +62,12 @@ static void oblique_impact_on_a_wall(int dimension, double degrees, double mu, d
     struct fixture f =
         open_with(dimension, 1, 1e-8, "kn_n_per_m = 1e5; mu_s = %.17e; kt_n_per_m = 1e5; gamma_n_kg_per_s = %.17e;", mu,
                   2 * zeta * sqrt(K * m));
-    struct particles *p = &f.world->particles;
+    struct particles *p = &f.sample->particles;
     int last = dimension - 1;
     put_on_floor(&f, 0, vn * tangent, vn);
     fixture_start(&f);
     fixture_steps(&f, 4500);
-    assert_true(f.world->walls[2 * last].force == 0);
+    assert_true(f.sample->walls[2 * last].force == 0);
     double e = p->v[last][0] / vn, slack = mu * 2 * zeta * zeta + 1e-3;
     assert_close("e", e, exp(-zeta * PI / sqrt(1 - zeta * zeta)), 1e-3);
     assert_close("e_t", p->v[0][0] / (vn * tangent), 1 - mu * (1 + e) / tangent, slack / tangent);
@@ -93,13 +93,13 @@ static void spinning_pair(int dimension, double ratio)
 {
     const double vn = 0.05, mu = 0.2, spin = 800;
     struct fixture f = open_with(dimension, 2, 1e-8, "kn_n_per_m = %.17e; mu_s = %.17e; kt_n_per_m = 1e5;", K, mu);
-    struct world *world = f.world;
-    struct particles *p = &world->particles;
+    struct sample *sample = f.sample;
+    struct particles *p = &sample->particles;
     int last = dimension - 1;
     p->radius[1] = ratio * A;
     for (int i = 0; i < 2; i++) {
         for (int c = 0; c < dimension; c++)
-            p->x[c][i] = 0.5 * (world->walls[2 * c].x + world->walls[2 * c + 1].x);
+            p->x[c][i] = 0.5 * (sample->walls[2 * c].x + sample->walls[2 * c + 1].x);
         p->v[0][i] = i == 0 ? vn : -vn;
     }
     p->x[0][1] += A + p->radius[1];
@@ -139,15 +139,15 @@ static double sticking_error(int dimension, int steps)
     struct fixture f =
         open_with(dimension, 1, t / steps,
                   "kn_n_per_m = 1e5; mu_s = 50.0; kt_n_per_m = %.17e; gamma_t_kg_per_s = %.17e;", KT, gamma_t);
-    struct particles *p = &f.world->particles;
-    f.world->gravity[dimension - 1] = -G;
+    struct particles *p = &f.sample->particles;
+    f.sample->gravity[dimension - 1] = -G;
     put_on_floor(&f, m * G / K, v0, 0);
     fixture_start(&f);
     /* kept for the middle of the step: zero now (2D: along (-n1, n0), that is -x) */
-    struct contact_list *floor = &f.world->walls[2 * (dimension - 1)].contacts;
+    struct contact_list *floor = &f.sample->walls[2 * (dimension - 1)].contacts;
     contact_list_read(floor);
-    floor->spring[0][0] = (dimension == 2 ? -1 : 1) * 0.5 * f.world->dt * v0;
-    must(contact_list_close(floor, p, &f.world->walls[2 * (dimension - 1)]));
+    floor->spring[0][0] = (dimension == 2 ? -1 : 1) * 0.5 * f.sample->dt * v0;
+    must(contact_list_close(floor, p, &f.sample->walls[2 * (dimension - 1)]));
     fixture_steps(&f, steps);
     double expected = v0 * exp(-eta * t) * (cos(omega * t) - eta / omega * sin(omega * t));
     double error = fabs(slip_velocity(p, 0) - expected);
@@ -186,11 +186,11 @@ static struct skid skid(int dimension, double dt, double mu_s, double mu_d, doub
     struct fixture f = open_with(
         dimension, 1, dt, "kn_n_per_m = 1e4; mu_s = %.17e; mu_d = %.17e; kt_n_per_m = 2e3; gamma_t_kg_per_s = 0.02;",
         mu_s, mu_d);
-    struct particles *p = &f.world->particles;
-    f.world->gravity[dimension - 1] = -G;
+    struct particles *p = &f.sample->particles;
+    f.sample->gravity[dimension - 1] = -G;
     put_on_floor(&f, press * m * G / 1e4, v0, 0);
     fixture_start(&f);
-    const struct contact_list *floor = &f.world->walls[2 * (dimension - 1)].contacts;
+    const struct contact_list *floor = &f.sample->walls[2 * (dimension - 1)].contacts;
     bool before = true;
     for (int k = 0; k < (int)(end / dt); k++) {
         fixture_steps(&f, 1);
@@ -239,9 +239,9 @@ static double block_acceleration(double pull, double v0)
     const double dt = 1e-6, m = mass_of(A), t = 0.01;
     struct fixture f = open_with(
         3, 1, dt, "kn_n_per_m = 1e4; mu_s = %.17e; mu_d = %.17e; kt_n_per_m = 2e3; gamma_t_kg_per_s = 0.05;", 0.8, 0.3);
-    struct particles *p = &f.world->particles;
-    f.world->gravity[2] = -G;
-    f.world->gravity[0] = pull * G;
+    struct particles *p = &f.sample->particles;
+    f.sample->gravity[2] = -G;
+    f.sample->gravity[0] = pull * G;
     put_on_floor(&f, m * G / 1e4, v0, 0);
     fixture_start(&f);
     p->inv_inertia[0] = 0;
@@ -286,8 +286,8 @@ static void turn(const double *axis, double angle, const double *x, double *resu
 /* Sets particle i so that the coming drift brings it exactly to `x` with velocity `v` (components of the fixture). */
 static void aim(struct fixture *f, int i, const double *x, const double *v)
 {
-    struct particles *p = &f->world->particles;
-    const double dt = f->world->dt;
+    struct particles *p = &f->sample->particles;
+    const double dt = f->sample->dt;
     for (int c = 0; c < p->dimension; c++) {
         p->a[c][i] = 2 * (v[c] - (x[c] - p->x[c][i]) / dt) / dt;
         p->v[c][i] = v[c] - p->a[c][i] * dt;
@@ -299,7 +299,7 @@ static void aim(struct fixture *f, int i, const double *x, const double *v)
  * radii as lever arms, and rigid rotation slips by rate times overlap. */
 static void rotate_once(struct fixture *f, const double *middle, const double *axis, double rate, const double *branch)
 {
-    struct particles *p = &f->world->particles;
+    struct particles *p = &f->sample->particles;
     double n[3], spin[3], along = 0, distance = 0;
     for (int c = 0; c < 3; c++)
         distance += branch[c] * branch[c];
@@ -339,7 +339,7 @@ static void turn_pair(int dimension, double tilt)
     struct fixture_options options = {
         .dimension = dimension, .dt_s = 1e-6, .material = "kn_n_per_m = 1e5; mu_s = 10.0; kt_n_per_m = 2e4;"};
     struct fixture f = fixture_pair(&options, overlap, 0);
-    struct particles *p = &f.world->particles;
+    struct particles *p = &f.sample->particles;
     double start[3] = {p->x[0][0] - p->x[0][1], 0, 0}, branch[3];
     const double plane[3] = {0, 0, 1};
     const double *about = dimension == 2 ? plane : axis;
@@ -347,19 +347,19 @@ static void turn_pair(int dimension, double tilt)
         p->inv_mass[i] = p->inv_inertia[i] = 0;
     for (int c = 0; c < dimension; c++)
         middle[c] = 0.5 * (p->x[c][0] + p->x[c][1]);
-    double *const *spring = f.world->pairs.spring;
-    contact_list_read(&f.world->pairs);
+    double *const *spring = f.sample->pairs.spring;
+    contact_list_read(&f.sample->pairs);
     if (dimension == 2)
         spring[0][0] = length;
     for (int c = 0; c < dimension && dimension == 3; c++)
         spring[c][0] = xi[c];
-    must(contact_list_close(&f.world->pairs, p, NULL));
+    must(contact_list_close(&f.sample->pairs, p, NULL));
     for (int k = 1; k <= N; k++) {
         turn(about, 2 * PI * k / N, start, branch);
-        rotate_once(&f, middle, about, 2 * PI / N / f.world->dt, branch);
+        rotate_once(&f, middle, about, 2 * PI / N / f.sample->dt, branch);
     }
-    contact_list_read(&f.world->pairs);
-    for (int c = 0; c < f.world->pairs.n_springs; c++)
+    contact_list_read(&f.sample->pairs);
+    for (int c = 0; c < f.sample->pairs.n_springs; c++)
         length2 += spring[c][0] * spring[c][0];
     /* both positions, about 0.2 m, are rounded by 2.8e-17 m a step */
     assert_close("stored", sqrt(length2), length, N * 2 * 2.8e-17);
@@ -368,7 +368,7 @@ static void turn_pair(int dimension, double tilt)
     print_message("%dD, axis at %.2f: length off by %.2g, direction by %.2g\n", dimension, tilt,
                   sqrt(length2) / length - 1, sqrt(moved) / length);
     assert_close("direction", sqrt(moved) / length, 0, PI * PI / N + 8 * PI * PI * PI / 3 / N / N);
-    assert_false(contact_list_slides(&f.world->pairs, 0));
+    assert_false(contact_list_slides(&f.sample->pairs, 0));
     fixture_close(&f);
 }
 
@@ -412,21 +412,21 @@ static double roll_off(double ratio, double *expected)
              k, 0.3 * k, 0.2 * sqrt(k * m), 0.05 * sqrt(k * m));
     struct fixture_options options = {.dimension = 3, .count = 3, .dt_s = dt, .material = material};
     struct fixture f = fixture_open(&options);
-    struct world *world = f.world;
-    struct particles *p = &world->particles;
+    struct sample *sample = f.sample;
+    struct particles *p = &sample->particles;
     double middle[3];
     for (int c = 0; c < 3; c++)
-        p->x[c][2] = middle[c] = 0.5 * (world->walls[2 * c].x + world->walls[2 * c + 1].x);
+        p->x[c][2] = middle[c] = 0.5 * (sample->walls[2 * c].x + sample->walls[2 * c + 1].x);
     hold_large(p, middle, half);
     p->x[1][2] += height * sin(theta);
     p->x[2][2] += height * cos(theta);
     p->radius[2] = a;
-    world->gravity[2] = -G;
+    sample->gravity[2] = -G;
     fixture_start(&f);
     int steps = (int)(end / dt);
     for (int k = 0; k < steps; k++) {
         hold_large(p, middle, half);
-        must(world_step(world));
+        must(sample_step(sample));
     }
     double reached = atan2(p->x[1][2] - middle[1], p->x[2][2] - middle[2]) / theta;
     *expected = cosh(lambda * steps * dt);

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/measure.h"
+#include "sim/look/measure.h"
 #include "wallctl/law.h"
 
 static const double PI = 3.14159265358979323846;
@@ -21,25 +21,25 @@ static struct fixture open_scene(const char *path, const char *const *overrides)
         n++;
     assert_non_null(f.scene);
     must(scene_load(f.scene, path, overrides, n));
-    must(world_create(&f.world, f.scene));
+    must(sample_create(&f.sample, f.scene));
     return f;
 }
 
 /* As fixture_run, but hands errors back. */
 static enum status try_run(struct fixture *f, int64_t n_steps)
 {
-    struct world *world = f->world;
-    while (world->step < n_steps) {
+    struct sample *sample = f->sample;
+    while (sample->step < n_steps) {
         struct wall_state state;
         struct wall_command command;
-        world_wall_state(world, &state);
+        sample_wall_state(sample, &state);
         state.energy_step = -1;
         TRY(wallctl_law(f->scene, &state, &command));
         if (command.finished)
             return STATUS_OK;
-        TRY(world_command(world, &command));
+        TRY(sample_command(sample, &command));
         for (int k = 0; k < command.n_steps; k++)
-            TRY(world_step(world));
+            TRY(sample_step(sample));
     }
     return STATUS_OK;
 }
@@ -66,14 +66,14 @@ static void ledger_of_cycles(void **state)
         int64_t start = steps_of(&f, 2), period = llround(0.2 / f.scene->stage[2].dt_s);
         double residual = 0, work = 0, friction = 0;
         fixture_run(&f, start + 1);
-        assert_int_equal(f.world->stage, 2);
+        assert_int_equal(f.sample->stage, 2);
         for (int cycle = 0; cycle < CYCLES; cycle++) {
             double total = 0, worst = 0;
             for (int k = 1; k <= PARTS; k++) {
                 fixture_run(&f, start + cycle * period + k * period / PARTS);
-                total += fabs(f.world->ledger.work_walls - work);
-                work = f.world->ledger.work_walls;
-                must(measure(f.world, &m));
+                total += fabs(f.sample->ledger.work_walls - work);
+                work = f.sample->ledger.work_walls;
+                must(measure(f.sample, &m));
                 worst = fmax(worst, fabs(m.residual_j - residual));
             }
             residual = m.residual_j;
@@ -81,8 +81,8 @@ static void ledger_of_cycles(void **state)
                           cycle + 1, worst / total, total, m.sliding_fraction);
             assert_true(worst < 1e-3 * total);
         }
-        friction = f.world->ledger.contacts.friction;
-        assert_true(friction > 0.01 * (f.world->ledger.contacts.viscous_normal + friction)); /* it did slide */
+        friction = f.sample->ledger.contacts.friction;
+        assert_true(friction > 0.01 * (f.sample->ledger.contacts.viscous_normal + friction)); /* it did slide */
         fixture_close(&f);
     }
 }
@@ -93,16 +93,16 @@ static void no_friction_is_frictionless(void **state)
     static const char *const none[] = {"material.mu_s=0", NULL};
     struct fixture with = open_scene(quick, NULL), without = open_scene(quick, none);
     (void)state;
-    assert_int_equal(with.world->particles.n_rotations, 3);
-    assert_int_equal(without.world->particles.n_rotations, 0);
+    assert_int_equal(with.sample->particles.n_rotations, 3);
+    assert_int_equal(without.sample->particles.n_rotations, 0);
     fixture_run(&with, 30000);
     fixture_run(&without, 30000);
-    assert_true(with.world->pairs.count > 0);
+    assert_true(with.sample->pairs.count > 0);
     for (int c = 0; c < 3; c++) {
-        size_t size = (size_t)with.world->particles.count * sizeof(double);
-        assert_memory_equal(with.world->particles.x[c], without.world->particles.x[c], size);
-        assert_memory_equal(with.world->particles.v[c], without.world->particles.v[c], size);
-        assert_true(with.world->particles.omega[c][0] == 0);
+        size_t size = (size_t)with.sample->particles.count * sizeof(double);
+        assert_memory_equal(with.sample->particles.x[c], without.sample->particles.x[c], size);
+        assert_memory_equal(with.sample->particles.v[c], without.sample->particles.v[c], size);
+        assert_true(with.sample->particles.omega[c][0] == 0);
     }
     fixture_close(&with);
     fixture_close(&without);
@@ -123,7 +123,7 @@ static void overdamped_contact(void **state)
     double largest = v / b;
     (void)state;
     for (int n = 0; n < 1000; n++) {
-        double t = f.world->time_s;
+        double t = f.sample->time_s;
         /* no spring without overlap: the first step is without force, an error of b dt to start with */
         assert_close("overlap", fixture_overlap(&f), v * (exp(-a * t) - exp(-b * t)) / (b - a), 2 * b * dt * largest);
         fixture_steps(&f, 1);
@@ -148,12 +148,12 @@ static void steps_up_to_the_critical(void **state)
         struct measurement m = {0};
         enum status status = try_run(&f, steps_of(&f, 1));
         if (status == STATUS_OK)
-            status = measure(f.world, &m);
+            status = measure(f.sample, &m);
         print_message("dt %.1f of critical: %s, residual %.2g of the work\n", fraction[k],
-                      status == STATUS_OK ? "ran" : status_message(), m.residual_j / f.world->ledger.work_walls);
+                      status == STATUS_OK ? "ran" : status_message(), m.residual_j / f.sample->ledger.work_walls);
         assert_true(status == STATUS_OK || status == STATUS_UNSTABLE);
         if (fraction[k] <= 0.2)
-            assert_true(status == STATUS_OK && fabs(m.residual_j) < 0.01 * f.world->ledger.work_walls);
+            assert_true(status == STATUS_OK && fabs(m.residual_j) < 0.01 * f.sample->ledger.work_walls);
         fixture_close(&f);
     }
 }
@@ -181,18 +181,18 @@ static void wall_masses(void **state)
     struct fixture none = with_walls("0.0", "32.0", "1000.0"), tiny = with_walls("1e-9", "32.0", "1000.0");
     struct fixture huge = with_walls("1e9", "32.0", "1000.0");
     struct measurement m;
-    double length = world_box_length_m(huge.world, 0);
+    double length = sample_box_length_m(huge.sample, 0);
     fixture_run(&none, steps_of(&none, 1));
     fixture_run(&tiny, steps_of(&tiny, 1));
     fixture_run(&huge, steps_of(&huge, 1));
     for (int c = 0; c < 3; c++) { /* at rest but for the last creep without friction */
-        must(measure(none.world, &m));
+        must(measure(none.sample, &m));
         assert_close("massless wall", m.stress_wall_pa[c], 1000, 10);
-        must(measure(tiny.world, &m));
+        must(measure(tiny.sample, &m));
         assert_close("light wall", m.stress_wall_pa[c], 1000, 10);
     }
-    assert_close("heavy wall", world_box_length_m(huge.world, 0), length, 1e-7);
-    must(measure(huge.world, &m));
+    assert_close("heavy wall", sample_box_length_m(huge.sample, 0), length, 1e-7);
+    must(measure(huge.sample, &m));
     fixture_close(&none);
     fixture_close(&tiny);
     fixture_close(&huge);
@@ -221,7 +221,7 @@ static void almost_empty_box(void **state)
     struct measurement m;
     (void)state;
     fixture_run(&f, steps_of(&f, 1));
-    must(measure(f.world, &m));
+    must(measure(f.sample, &m));
     for (int c = 0; c < 3; c++)
         assert_close("one sphere carries the walls", m.stress_wall_pa[c], 1000, 1);
     fixture_close(&f);
@@ -242,10 +242,10 @@ static void pressure_to_zero(void **state)
     struct measurement m;
     (void)state;
     fixture_run(&f, steps_of(&f, 1) + 1);
-    assert_int_equal(f.world->stage, 1);
-    double stored = f.world->ledger.elastic_start;
+    assert_int_equal(f.sample->stage, 1);
+    double stored = f.sample->ledger.elastic_start;
     fixture_run(&f, steps_of(&f, 2));
-    must(measure(f.world, &m));
+    must(measure(f.sample, &m));
     print_message("at 1e-3 Pa: %.3f contacts per sphere, %.2f rattlers, elastic energy %.2g of before\n",
                   m.coordination, m.rattler_fraction, (m.elastic_normal_j + m.elastic_tangential_j) / stored);
     assert_true(m.elastic_normal_j + m.elastic_tangential_j < 1e-3 * stored);
@@ -264,13 +264,13 @@ static void fast_straining(void **state)
     struct measurement m;
     (void)state;
     fixture_run(&f, steps_of(&f, 1) + 1250);
-    must(measure(f.world, &m));
+    must(measure(f.sample, &m));
     assert_true(m.inertial_number > 1e-2);
     print_message("inertial number %.2g, residual %.2g of the work\n", m.inertial_number,
-                  m.residual_j / f.world->ledger.work_walls);
+                  m.residual_j / f.sample->ledger.work_walls);
     fixture_run(&f, steps_of(&f, 2));
-    must(measure(f.world, &m));
-    assert_true(fabs(m.residual_j) < 0.01 * f.world->ledger.work_walls);
+    must(measure(f.sample, &m));
+    assert_true(fabs(m.residual_j) < 0.01 * f.sample->ledger.work_walls);
     assert_close("strain", m.strain[2], 0.2, 1e-9);
     fixture_close(&f);
 }

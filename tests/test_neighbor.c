@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/measure.h"
-#include "sim/random.h"
-#include "sim/renumber.h"
+#include "sim/base/random.h"
+#include "sim/look/measure.h"
+#include "sim/neighbours/locality_order.h"
 
 static const char friction[] =
     "law = \"hysteretic\"; k1_n_per_m = 8e4; k2_n_per_m = 1e5; kc_n_per_m = 2e4; mu_s = 0.3; "
@@ -22,25 +22,25 @@ static struct fixture scatter(int dimension, int count, double ratio, double fil
 {
     const struct fixture_options options = {dimension, count, 1e-7, friction, more};
     struct fixture f = fixture_open(&options);
-    struct world *world = f.world;
-    struct particles *p = &world->particles;
+    struct sample *sample = f.sample;
+    struct particles *p = &sample->particles;
     struct random random;
     random_init(&random, (uint64_t)seed);
     for (int i = 0; i < count; i++)
         p->radius[i] = 1e-3 * pow(ratio, -random_uniform(&random));
     double side = pow(particles_solid_volume(p) / filled, 1.0 / dimension);
     for (int c = 0; c < dimension; c++) {
-        world->walls[2 * c].x = 0;
-        world->walls[2 * c + 1].x = side;
+        sample->walls[2 * c].x = 0;
+        sample->walls[2 * c + 1].x = side;
         for (int i = 0; i < count; i++)
             p->x[c][i] = side * random_uniform(&random);
     }
     return f;
 }
 
-static void build(struct world *world)
+static void build(struct sample *sample)
 {
-    must(world_build_lists(world));
+    must(sample_build_lists(sample));
 }
 
 static double distance(const struct particles *p, int i, int j)
@@ -53,14 +53,14 @@ static double distance(const struct particles *p, int i, int j)
 
 /* The lists hold what is closer than the skin, in order. The search works in single precision relative to a cell: it
  * may add what is up to three parts in a million of the largest cell farther. Returns the number of pairs. */
-static int check_against_all(const struct world *world)
+static int check_against_all(const struct sample *sample)
 {
-    const struct particles *p = &world->particles;
-    const struct contact_list *pairs = &world->pairs;
-    double margin = 0, skin = world->neighbor.skin;
+    const struct particles *p = &sample->particles;
+    const struct contact_list *pairs = &sample->pairs;
+    double margin = 0, skin = sample->verlet.skin;
     int at = 0;
     for (int c = 0; c < p->dimension; c++)
-        margin = fmax(margin, 3e-6 * world_box_length_m(world, c));
+        margin = fmax(margin, 3e-6 * sample_box_length_m(sample, c));
     for (int i = 0; i < p->count; i++)
         for (int j = i + 1; j < p->count; j++) {
             double gap = distance(p, i, j) - p->radius[i] - p->radius[j];
@@ -71,8 +71,8 @@ static int check_against_all(const struct world *world)
             at += listed;
         }
     assert_int_equal(at, pairs->count); /* rising by (i, j), none twice */
-    for (int w = 0; w < world->n_walls; w++) {
-        const struct wall *wall = &world->walls[w];
+    for (int w = 0; w < sample->n_walls; w++) {
+        const struct wall *wall = &sample->walls[w];
         int k = 0;
         for (int i = 0; i < p->count; i++) {
             bool near = wall->inward * (p->x[wall->axis][i] - wall->x) - p->radius[i] < skin;
@@ -87,17 +87,17 @@ static int check_against_all(const struct world *world)
 static void check_scatter(int dimension, int count, double ratio, double filled, double skin)
 {
     struct fixture f = scatter(dimension, count, ratio, filled, count + dimension, "");
-    struct world *world = f.world;
-    world->neighbor.skin = skin * 1e-3 / ratio;
+    struct sample *sample = f.sample;
+    sample->verlet.skin = skin * 1e-3 / ratio;
     int pairs = -1;
     for (int isa = 0; isa < ISA_COUNT; isa++) {
         if (!kernel_isa_supported(isa)) {
             print_message("kernels %s skipped: this CPU cannot run them\n", kernel_isa_name(isa));
             continue;
         }
-        world->neighbor.search = search_select(isa);
-        build(world);
-        int found = check_against_all(world);
+        sample->verlet.search = search_select(isa);
+        build(sample);
+        int found = check_against_all(sample);
         assert_true(pairs < 0 || pairs == found);
         pairs = found;
     }
@@ -124,21 +124,21 @@ static void odd_places_are_found_too(void **state)
     for (int dimension = 2; dimension <= 3; dimension++)
         for (int odd = 0; odd < 3; odd++) {
             struct fixture f = scatter(dimension, 50, 10, 0.5, 3, "");
-            struct particles *p = &f.world->particles;
+            struct particles *p = &f.sample->particles;
             for (int i = 0; i < p->count; i++)
                 for (int c = 0; c < dimension; c++)
                     p->x[c][i] = odd == 0            ? 1e-3
                                  : odd == 1 && c > 0 ? 2e-3
                                                      : p->x[c][i] * (odd == 2 && i == 0 ? 1e5 : 1);
-            build(f.world);
-            const struct contact_list *pairs = &f.world->pairs;
+            build(f.sample);
+            const struct contact_list *pairs = &f.sample->pairs;
             assert_true(odd > 0 || pairs->count == 50 * 49 / 2);
             int at = 0;
             for (int i = 0; i < p->count; i++)
                 for (int j = i + 1; j < p->count; j++) {
                     double gap = distance(p, i, j) - p->radius[i] - p->radius[j];
                     bool listed = at < pairs->count && pairs->i[at] == i && pairs->j[at] == j;
-                    assert_true(listed || !(gap < f.world->neighbor.skin));
+                    assert_true(listed || !(gap < f.sample->verlet.skin));
                     at += listed;
                 }
             assert_int_equal(at, pairs->count);
@@ -210,25 +210,25 @@ static void histories_are_carried_exactly(void **state)
             if (!kernel_isa_supported(isa))
                 continue;
             struct fixture f = scatter(dimension, 300, 3, 1, 5, "");
-            struct world *world = f.world;
-            struct particles *p = &world->particles;
+            struct sample *sample = f.sample;
+            struct particles *p = &sample->particles;
             struct contact_list before, wall_before;
             struct random random;
             int kept = 0, fresh = 0;
-            world->neighbor.search = search_select(isa);
+            sample->verlet.search = search_select(isa);
             random_init(&random, 9);
-            build(world);
-            mark_list(&world->pairs, p, NULL);
-            mark_list(&world->walls[1].contacts, p, &world->walls[1]);
-            copy_pairs(&before, &world->pairs);
-            copy_pairs(&wall_before, &world->walls[1].contacts);
+            build(sample);
+            mark_list(&sample->pairs, p, NULL);
+            mark_list(&sample->walls[1].contacts, p, &sample->walls[1]);
+            copy_pairs(&before, &sample->pairs);
+            copy_pairs(&wall_before, &sample->walls[1].contacts);
             for (int c = 0; c < dimension; c++)
                 for (int i = 0; i < p->count; i++)
                     p->x[c][i] += 3e-4 * (random_uniform(&random) - 0.5);
-            build(world);
-            kept += check_marks(&world->pairs, &before, &fresh);
+            build(sample);
+            kept += check_marks(&sample->pairs, &before, &fresh);
             assert_true(kept > 100 && fresh > 20);
-            check_marks(&world->walls[1].contacts, &wall_before, &fresh);
+            check_marks(&sample->walls[1].contacts, &wall_before, &fresh);
             free(before.i);
             free(before.j);
             free(wall_before.i);
@@ -266,9 +266,9 @@ static void gravity_builds_no_lists(void **state)
     for (int count = 116; count <= 120; count += 4)
         for (int single = 0; single < 2; single++) {
             struct fixture f = gas_of(count, 2, single ? "precision = \"mixed\";" : "");
-            f.world->gravity[1] = -1000;
+            f.sample->gravity[1] = -1000;
             fixture_steps(&f, 4000);
-            assert_true(f.world->neighbor.rebuilds < 400);
+            assert_true(f.sample->verlet.rebuilds < 400);
             fixture_close(&f);
         }
 }
@@ -280,17 +280,17 @@ static void the_tuned_skin_changes_nothing(void **state)
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
         struct fixture fixed = gas(dimension, "neighbor = { skin_ratio = 0.02; };"), tuned = gas(dimension, "");
-        double first = tuned.world->neighbor.skin;
+        double first = tuned.sample->verlet.skin;
         fixture_steps(&fixed, 8000);
         fixture_steps(&tuned, 8000);
         double worst = 0;
         for (int c = 0; c < dimension; c++)
             for (int i = 0; i < 120; i++)
-                worst = fmax(worst, fabs(fixed.world->particles.x[c][i] - tuned.world->particles.x[c][i]));
+                worst = fmax(worst, fabs(fixed.sample->particles.x[c][i] - tuned.sample->particles.x[c][i]));
         print_message("%dD: positions differ by %.2g m\n", dimension, worst);
         assert_true(worst < 1e-12);
-        assert_true(tuned.world->neighbor.rebuilds < fixed.world->neighbor.rebuilds / 2);
-        assert_true(tuned.world->neighbor.skin > first);
+        assert_true(tuned.sample->verlet.rebuilds < fixed.sample->verlet.rebuilds / 2);
+        assert_true(tuned.sample->verlet.skin > first);
         fixture_close(&fixed);
         fixture_close(&tuned);
     }
@@ -302,27 +302,27 @@ static void the_tuned_skin_narrows_at_rest(void **state)
     (void)state;
     struct fixture f = scatter(2, 100, 2, 0.1, 4, "");
     fixture_start(&f);
-    double wide = f.world->neighbor.skin = 1e-3;
-    build(f.world);
+    double wide = f.sample->verlet.skin = 1e-3;
+    build(f.sample);
     for (int c = 0; c < 2; c++)
-        memset(f.world->particles.v[c], 0, 100 * sizeof(double));
-    f.world->material = &f.scene->stage[0].material;
-    f.world->law.k1 = f.world->law.k2 = f.world->law.k2_minus_k1 = f.world->law.kc = 0; /* what overlaps stays */
+        memset(f.sample->particles.v[c], 0, 100 * sizeof(double));
+    f.sample->material = &f.scene->stage[0].material;
+    f.sample->law.k1 = f.sample->law.k2 = f.sample->law.k2_minus_k1 = f.sample->law.kc = 0; /* what overlaps stays */
     for (int c = 0; c < 2; c++)
-        memset(f.world->particles.a[c], 0, 100 * sizeof(double));
+        memset(f.sample->particles.a[c], 0, 100 * sizeof(double));
     fixture_steps(&f, 600);
-    assert_true(f.world->neighbor.skin < 0.2 * wide);
+    assert_true(f.sample->verlet.skin < 0.2 * wide);
     fixture_close(&f);
 }
 
 /* ---- renumbering ---- */
 
-static struct contact_measurement *contacts_of(const struct world *world, int *n)
+static struct contact_measurement *contacts_of(const struct sample *sample, int *n)
 {
-    *n = measure_contacts(world, NULL);
+    *n = measure_contacts(sample, NULL);
     struct contact_measurement *contacts = calloc((size_t)*n + 1, sizeof *contacts);
     assert_non_null(contacts);
-    assert_int_equal(measure_contacts(world, contacts), *n);
+    assert_int_equal(measure_contacts(sample, contacts), *n);
     return contacts;
 }
 
@@ -344,25 +344,25 @@ static void renumbering_only_moves(void **state)
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
         struct fixture f = scatter(dimension, 200, 2, 0.7, 6, "neighbor = { renumber_steps = 0; };");
-        struct world *world = f.world;
+        struct sample *sample = f.sample;
         int n, m, moved = 0;
         fixture_start(&f);
         fixture_steps(&f, 200); /* springs and histories of many contacts */
-        uint64_t hash = world_hash(world);
-        struct contact_measurement *before = contacts_of(world, &n);
+        uint64_t hash = sample_hash(sample);
+        struct contact_measurement *before = contacts_of(sample, &n);
         assert_true(n > 100);
-        must(renumber(&world->particles, &world->pairs, world->walls, world->n_walls));
-        build(world);
-        assert_true(world_hash(world) == hash);
-        struct contact_measurement *after = contacts_of(world, &m);
+        must(locality_order_apply(&sample->particles, &sample->pairs, sample->walls, sample->n_walls));
+        build(sample);
+        assert_true(sample_hash(sample) == hash);
+        struct contact_measurement *after = contacts_of(sample, &m);
         assert_int_equal(n, m);
         assert_same_contacts(before, after, n);
-        for (int i = 0; i < world->particles.count; i++) {
-            assert_int_equal(world->particles.id[world->particles.slot[i]], i);
-            moved += world->particles.id[i] != i;
+        for (int i = 0; i < sample->particles.count; i++) {
+            assert_int_equal(sample->particles.id[sample->particles.slot[i]], i);
+            moved += sample->particles.id[i] != i;
         }
-        assert_true(moved > world->particles.count / 2);
-        check_against_all(world);
+        assert_true(moved > sample->particles.count / 2);
+        check_against_all(sample);
         free(before);
         free(after);
         fixture_close(&f);
@@ -377,7 +377,7 @@ static void renumbering_keeps_the_physics(void **state)
     for (int dimension = 2; dimension <= 3; dimension++) {
         struct fixture plain = gas(dimension, "neighbor = { renumber_steps = 0; };");
         struct fixture mixed = gas(dimension, "neighbor = { renumber_steps = 10; };");
-        const struct particles *a = &plain.world->particles, *b = &mixed.world->particles;
+        const struct particles *a = &plain.sample->particles, *b = &mixed.sample->particles;
         fixture_steps(&plain, 200);
         fixture_steps(&mixed, 200);
         for (int i = 0; i < a->count; i++) {
@@ -385,7 +385,7 @@ static void renumbering_keeps_the_physics(void **state)
             for (int c = 0; c < dimension; c++)
                 assert_close("position", b->x[c][b->slot[i]], a->x[c][i], 1e-9 * 2.0 * 200 * 5e-7);
         }
-        assert_true(mixed.world->neighbor.rebuilds >= 20);
+        assert_true(mixed.sample->verlet.rebuilds >= 20);
         fixture_close(&plain);
         fixture_close(&mixed);
     }
@@ -396,16 +396,16 @@ static void a_particle_that_left_is_named(void **state)
 {
     (void)state;
     struct fixture f = scatter(2, 200, 2, 0.7, 6, "neighbor = { renumber_steps = 0; };");
-    struct particles *p = &f.world->particles;
+    struct particles *p = &f.sample->particles;
     char name[64];
     fixture_start(&f);
-    must(renumber(p, &f.world->pairs, f.world->walls, f.world->n_walls));
-    build(f.world);
+    must(locality_order_apply(p, &f.sample->pairs, f.sample->walls, f.sample->n_walls));
+    build(f.sample);
     int slot = 0;
     while (p->id[slot] == slot)
         slot++;
-    p->x[0][slot] = f.world->walls[1].x + 1;
-    assert_int_equal(world_step(f.world), STATUS_UNSTABLE);
+    p->x[0][slot] = f.sample->walls[1].x + 1;
+    assert_int_equal(sample_step(f.sample), STATUS_UNSTABLE);
     snprintf(name, sizeof name, "particle %d left the box in x", p->id[slot]);
     assert_non_null(strstr(status_message(), name));
     fixture_close(&f);
@@ -418,12 +418,12 @@ static void renumbering_brings_neighbours_together(void **state)
     struct fixture f = scatter(2, 2000, 1, 0.8, 8, "");
     double apart[2];
     for (int k = 0; k < 2; k++) {
-        build(f.world);
-        const struct contact_list *pairs = &f.world->pairs;
+        build(f.sample);
+        const struct contact_list *pairs = &f.sample->pairs;
         apart[k] = 0;
         for (int m = 0; m < pairs->count; m++)
             apart[k] += (double)(pairs->j[m] - pairs->i[m]) / pairs->count;
-        must(renumber(&f.world->particles, &f.world->pairs, f.world->walls, f.world->n_walls));
+        must(locality_order_apply(&f.sample->particles, &f.sample->pairs, f.sample->walls, f.sample->n_walls));
     }
     assert_close("mean distance at random", apart[0], 2000 / 3.0, 60); /* of 3000 pairs: 5 standard errors */
     assert_true(apart[1] < 2 * sqrt(2000));                            /* about a row of cells */
@@ -442,11 +442,11 @@ static void paths_lead_from_partner_to_partner(void **state)
     for (int k = 0; k < 3; k++) {
         const int count = samples[k].count;
         struct fixture f = scatter(samples[k].dimension, count, 1, samples[k].filled, 8, "");
-        const struct contact_list *pairs = &f.world->pairs;
+        const struct contact_list *pairs = &f.sample->pairs;
         int next = 0;
-        build(f.world);
-        must(renumber(&f.world->particles, &f.world->pairs, f.world->walls, f.world->n_walls));
-        build(f.world);
+        build(f.sample);
+        must(locality_order_apply(&f.sample->particles, &f.sample->pairs, f.sample->walls, f.sample->n_walls));
+        build(f.sample);
         for (int m = 0; m < pairs->count; m++)
             next += pairs->j[m] == pairs->i[m] + 1;
         print_message("%dD, %.1f partners: %.3f\n", samples[k].dimension, 2.0 * pairs->count / count,
@@ -460,12 +460,12 @@ static void ids_that_are_none_are_refused(void **state)
 {
     (void)state;
     struct fixture f = scatter(2, 10, 1, 0.1, 8, "");
-    f.world->particles.id[3] = 4;
-    assert_int_equal(renumber_set_slots(&f.world->particles), STATUS_FORMAT);
-    f.world->particles.id[3] = 10;
-    assert_int_equal(renumber_set_slots(&f.world->particles), STATUS_FORMAT);
-    f.world->particles.id[3] = 3;
-    must(renumber_set_slots(&f.world->particles));
+    f.sample->particles.id[3] = 4;
+    assert_int_equal(particles_set_slots(&f.sample->particles), STATUS_FORMAT);
+    f.sample->particles.id[3] = 10;
+    assert_int_equal(particles_set_slots(&f.sample->particles), STATUS_FORMAT);
+    f.sample->particles.id[3] = 3;
+    must(particles_set_slots(&f.sample->particles));
     fixture_close(&f);
 }
 

@@ -24,14 +24,14 @@ static char *text_of(void (*write)(FILE *out, const void *what), const void *wha
     return text;
 }
 
-static void write_lammps_data(FILE *out, const void *world)
+static void write_lammps_data(FILE *out, const void *sample)
 {
-    peers_write_data(out, PEER_LAMMPS, world);
+    peers_write_data(out, PEER_LAMMPS, sample);
 }
 
-static void write_liggghts_data(FILE *out, const void *world)
+static void write_liggghts_data(FILE *out, const void *sample)
 {
-    peers_write_data(out, PEER_LIGGGHTS, world);
+    peers_write_data(out, PEER_LIGGGHTS, sample);
 }
 
 static void write_script(FILE *out, const void *input)
@@ -56,16 +56,16 @@ static void packing_is_what_we_have(void **state)
     (void)state;
     struct fixture_options options = {.dimension = 2, .count = 3, .material = "kn_n_per_m = 1e3;", .dt_s = 1e-6};
     struct fixture f = fixture_open(&options);
-    struct particles *p = &f.world->particles;
+    struct particles *p = &f.sample->particles;
     p->radius[0] = 1.1e-3;
     p->x[1][0] += 1e-17;
     p->v[1][0] = -1.0 / 3;
     fixture_start(&f);
-    char *text = text_of(write_lammps_data, f.world);
+    char *text = text_of(write_lammps_data, f.sample);
     assert_non_null(strstr(text, "\n3 atoms\n1 atom types\n"));
     double lo, hi, diameter, density, x, y, z, vx, vy;
     assert_int_equal(sscanf(line_after(text, "1 atom types") - 1, "%lf %lf xlo xhi", &lo, &hi), 2);
-    assert_true(lo == f.world->walls[0].x && hi == f.world->walls[1].x);
+    assert_true(lo == f.sample->walls[0].x && hi == f.sample->walls[1].x);
     assert_int_equal(sscanf(line_after(text, "Atoms"), "1 1 %lf %lf %lf %lf %lf\n2 ", &diameter, &density, &x, &y, &z),
                      5);
     assert_true(diameter == 2 * p->radius[0] && x == p->x[0][0] && y == p->x[1][0] && z == 0);
@@ -74,7 +74,7 @@ static void packing_is_what_we_have(void **state)
     assert_int_equal(sscanf(line_after(text, "Velocities"), "1 %lf %lf 0 0 0 0\n2 0 0 0 0 0 0\n3", &vx, &vy), 2);
     assert_true(vx == 0 && vy == -1.0 / 3);
     free(text);
-    text = text_of(write_liggghts_data, f.world);
+    text = text_of(write_liggghts_data, f.sample);
     assert_non_null(strstr(text, "\n-0.011000000000000001 0.011000000000000001 zlo zhi\n")); /* 10 largest radii */
     free(text);
     fixture_close(&f);
@@ -86,10 +86,10 @@ static void packing_in_three_dimensions_spins(void **state)
     struct fixture_options options = {
         .dimension = 3, .count = 2, .material = "kn_n_per_m = 1e3; mu_s = 0.5; kt_n_per_m = 1e2;", .dt_s = 1e-6};
     struct fixture f = fixture_open(&options);
-    f.world->particles.omega[2][1] = 7;
+    f.sample->particles.omega[2][1] = 7;
     for (int c = 0; c < 3; c++)
-        f.world->particles.v[c][1] = 0.5 * c;
-    char *text = text_of(write_lammps_data, f.world);
+        f.sample->particles.v[c][1] = 0.5 * c;
+    char *text = text_of(write_lammps_data, f.sample);
     if (!strstr(text, "\n2 0 0.5 1 0 0 7\n"))
         fail_msg("no spin in:\n%s", text);
     free(text);
@@ -290,13 +290,13 @@ static void contacts_forget(void **state)
         .material = "law = \"hysteretic\"; k1_n_per_m = 1e3; k2_n_per_m = 2e3; mu_s = 0.5; kt_n_per_m = 1e2;",
         .dt_s = 1e-7};
     struct fixture f = fixture_pair(&options, 1e-5, 0.01);
-    f.world->particles.v[1][0] = 0.01;
+    f.sample->particles.v[1][0] = 0.01;
     fixture_steps(&f, 10);
-    assert_true(contact_list_history(&f.world->pairs, 0) > 0 && contact_list_spring(&f.world->pairs, 1, 0) != 0);
-    must(prepare_forget(f.world));
-    assert_true(contact_list_history(&f.world->pairs, 0) == 0);
+    assert_true(contact_list_history(&f.sample->pairs, 0) > 0 && contact_list_spring(&f.sample->pairs, 1, 0) != 0);
+    must(prepare_forget(f.sample));
+    assert_true(contact_list_history(&f.sample->pairs, 0) == 0);
     for (int c = 0; c < 3; c++)
-        assert_true(contact_list_spring(&f.world->pairs, c, 0) == 0);
+        assert_true(contact_list_spring(&f.sample->pairs, c, 0) == 0);
     fixture_close(&f);
 }
 
@@ -330,7 +330,7 @@ static void a_peer_runs_in_its_folder(void **state)
     write_fake(here);
     snprintf(path, sizeof path, "%s:%s", here, getenv("PATH"));
     assert_int_equal(setenv("PATH", path, 1), 0);
-    must(peers_run(&input, f.world, "its", "physics"));
+    must(peers_run(&input, f.sample, "its", "physics"));
     must(file_read("its/physics.log", &text));
     assert_non_null(strstr(text, "read_data physics.data\n"));
     free(text);

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "sim/integrate.h"
-#include "sim/measure.h"
+#include "sim/look/measure.h"
+#include "sim/sample/time_step.h"
 
 static const double PI = 3.14159265358979323846;
 static const double K = 1e5; /* N/m, as in PHYSICS: scene A */
@@ -60,7 +60,7 @@ static double collide(struct fixture *f, double *approach)
     }
     assert_true(now <= 0);
     *approach = fixture_approach(f);
-    return f->world->time_s - f->world->dt * (-now / (before - now));
+    return f->sample->time_s - f->sample->dt * (-now / (before - now));
 }
 
 /* t_c = pi/omega to 0.1 %, for the three dampings of PHYSICS, whose numbers carry three digits, m_12 two. */
@@ -150,19 +150,19 @@ static void force_path(void **state)
         .dt_s = 1e-7,
         .material = "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m = 2.5e4;"};
     struct fixture f = fixture_pair(&options, -1e-9, 0);
-    struct world *world = f.world;
-    double middle = 0.5 * (world->particles.x[0][0] + world->particles.x[0][1]);
+    struct sample *sample = f.sample;
+    double middle = 0.5 * (sample->particles.x[0][0] + sample->particles.x[0][1]);
     (void)state;
-    assert_int_equal(world->pairs.count, 1);
+    assert_int_equal(sample->pairs.count, 1);
     for (size_t k = 0; k < sizeof path / sizeof *path; k++) {
         double half = 1e-3 - 0.5 * path[k].overlap * d;
-        world->particles.x[0][0] = middle - half;
-        world->particles.x[0][1] = middle + half;
-        integrate_forces_anew(world);
+        sample->particles.x[0][0] = middle - half;
+        sample->particles.x[0][1] = middle + half;
+        time_step_forces_anew(sample);
         /* positions of about 0.2 m carry a rounding of 3e-17 m, that is 3e-12 of d */
-        double force = -world->particles.mass[0] * world->particles.a[0][0];
+        double force = -sample->particles.mass[0] * sample->particles.a[0][0];
         assert_close(path[k].what, force / (k1 * d), path[k].force, 1e-10);
-        assert_close(path[k].what, contact_list_history(&world->pairs, 0) / d, path[k].history, 1e-10);
+        assert_close(path[k].what, contact_list_history(&sample->pairs, 0) / d, path[k].history, 1e-10);
     }
     fixture_close(&f);
 }
@@ -179,17 +179,17 @@ static void hysteresis_loss_is_the_area(void **state)
         .dt_s = 1e-7,
         .material = "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m = 2.5e4;"};
     struct fixture f = fixture_pair(&options, -1e-9, 0);
-    struct world *world = f.world;
-    double middle = 0.5 * (world->particles.x[0][0] + world->particles.x[0][1]);
+    struct sample *sample = f.sample;
+    double middle = 0.5 * (sample->particles.x[0][0] + sample->particles.x[0][1]);
     (void)state;
     for (int k = 1; k <= 2 * STEPS + 1; k++) {
         double overlap = k <= STEPS ? (double)k / STEPS : 2 - (double)k / STEPS;
-        world->particles.x[0][0] = middle - (1e-3 - 0.5 * overlap * d);
-        world->particles.x[0][1] = middle + (1e-3 - 0.5 * overlap * d);
-        integrate_forces_anew(world);
+        sample->particles.x[0][0] = middle - (1e-3 - 0.5 * overlap * d);
+        sample->particles.x[0][1] = middle + (1e-3 - 0.5 * overlap * d);
+        time_step_forces_anew(sample);
     }
     /* the loss depends on the history alone; the adhesion branch is entered within one of the STEPS */
-    assert_close("loss", world->ledger.contacts.hysteresis / (k1 * d * d), 0.3, 1.0 / STEPS);
+    assert_close("loss", sample->ledger.contacts.hysteresis / (k1 * d * d), 0.3, 1.0 / STEPS);
     fixture_close(&f);
 }
 
@@ -237,19 +237,19 @@ static void oblique(int dimension, int steps, double *value)
                                                   "5e4; gamma_t_kg_per_s = 0.05; gamma_b_kg_per_s = 0.1; "
                                                   "gamma_br_kg_per_s = 0.1;"};
     struct fixture f = fixture_pair(&options, 1e-6, v);
-    struct particles *p = &f.world->particles;
+    struct particles *p = &f.sample->particles;
     int last = dimension - 1;
     p->v[last][0] = 0.5 * v;
     p->omega[0][1] = 30;
-    integrate_forces_anew(f.world);
+    time_step_forces_anew(f.sample);
     /* The spring is kept for the middle of the coming step: zero now is v_t dt/2 there. n = -x; 2D: v_t along (-n1, n0)
      * is g_z n_x - (a omega)_1; 3D: v_t = g + n x w, of which omega_x, along n, takes no part. */
     double vt = dimension == 2 ? -0.5 * v - p->radius[1] * 30 : 0.5 * v;
-    contact_list_read(&f.world->pairs);
-    f.world->pairs.spring[dimension == 2 ? 0 : 2][0] = 0.5 * f.world->dt * vt;
-    must(contact_list_close(&f.world->pairs, p, NULL));
+    contact_list_read(&f.sample->pairs);
+    f.sample->pairs.spring[dimension == 2 ? 0 : 2][0] = 0.5 * f.sample->dt * vt;
+    must(contact_list_close(&f.sample->pairs, p, NULL));
     fixture_steps(&f, steps);
-    assert_false(contact_list_slides(&f.world->pairs, 0));
+    assert_false(contact_list_slides(&f.sample->pairs, 0));
     for (int i = 0; i < 2; i++) {
         value[3 * i] = p->v[0][i];
         value[3 * i + 1] = p->v[last][i];
@@ -291,11 +291,11 @@ static double ledger_residual(int steps)
                                           "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m "
                                           "= 5e3; gamma_n_kg_per_s = 0.01;"};
     struct fixture f = fixture_pair(&options, 0, 0.1);
-    double kinetic = measure_kinetic_energy_j(f.world), approach;
+    double kinetic = measure_kinetic_energy_j(f.sample), approach;
     collide(&f, &approach);
     fixture_steps(&f, 1);
-    must(measure(f.world, &m));
-    assert_true(m.kinetic_j < 0.9 * kinetic && f.world->ledger.contacts.hysteresis > 0.3 * kinetic);
+    must(measure(f.sample, &m));
+    assert_true(m.kinetic_j < 0.9 * kinetic && f.sample->ledger.contacts.hysteresis > 0.3 * kinetic);
     assert_true(m.n_contacts == 0 && approach < 0);
     fixture_close(&f);
     return fabs(m.residual_j) / kinetic;
@@ -321,14 +321,14 @@ static void gross_sliding(void **state)
     struct fixture_options options = {
         .dimension = 3, .count = 1, .dt_s = 1e-8, .material = "kn_n_per_m = 1e5; mu_s = 0.1; kt_n_per_m = 1e5;"};
     struct fixture f = fixture_open(&options);
-    struct particles *p = &f.world->particles;
+    struct particles *p = &f.sample->particles;
     (void)state;
-    p->x[2][0] = f.world->walls[4].x + p->radius[0];
+    p->x[2][0] = f.sample->walls[4].x + p->radius[0];
     p->v[0][0] = vt;
     p->v[2][0] = -vn;
     fixture_start(&f);
     fixture_steps(&f, 5000);
-    assert_int_equal(f.world->walls[4].force, 0);
+    assert_int_equal(f.sample->walls[4].force, 0);
     /* kt v_t > mu kn v_n: it slides from the first instant to the last but one, where the force goes to zero with
      * the spring. What sticks then is a part kt/kn v_n mu/v_t of the impulse; dt/t_c = 3e-4 at either end */
     assert_close("e", p->v[2][0] / vn, 1, 1e-3);

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/measure.h"
+#include "sim/look/measure.h"
 #include "sim_fixture.h"
 #include "wallctl/stress.h"
 
@@ -52,23 +52,23 @@ static struct fixture chain_open(const char *coupling)
              "stages = ( { name = \"a\"; dt_s = %.17e; duration_s = 1.0; } );\n",
              CHAIN, RADIUS, RADIUS, K, K * OVERLAP, disc_mass(), coupling, chain_dt());
     struct fixture fixture = fixture_from_text(text);
-    struct world *world = fixture.world;
+    struct sample *sample = fixture.sample;
     for (int i = 0; i < CHAIN; i++) {
-        world->particles.x[0][i] = (2 * i + 1) * RADIUS - (i + 1) * OVERLAP + AMPLITUDE * chain_shape(i + 1);
-        world->particles.x[1][i] = 0.5;
+        sample->particles.x[0][i] = (2 * i + 1) * RADIUS - (i + 1) * OVERLAP + AMPLITUDE * chain_shape(i + 1);
+        sample->particles.x[1][i] = 0.5;
     }
-    world->walls[0].x = world->walls[2].x = 0;
-    world->walls[1].x = 2 * CHAIN * RADIUS - MASSES * OVERLAP + AMPLITUDE * chain_shape(MASSES);
-    world->walls[3].x = 1;
+    sample->walls[0].x = sample->walls[2].x = 0;
+    sample->walls[1].x = 2 * CHAIN * RADIUS - MASSES * OVERLAP + AMPLITUDE * chain_shape(MASSES);
+    sample->walls[3].x = 1;
     for (int w = 0; w < 4; w++)
-        world->path.x0[w] = world->walls[w].x;
-    particles_set_mass(&world->particles, 2000);
-    must(neighbor_build(&world->neighbor, &world->particles, &world->pairs, world->walls, world->n_walls));
+        sample->trajectory.x0[w] = sample->walls[w].x;
+    particles_set_mass(&sample->particles, 2000);
+    must(verlet_list_build(&sample->verlet, &sample->particles, &sample->pairs, sample->walls, sample->n_walls));
     struct wall_command start = {.n_steps = 1, .n_walls = 4}; /* forces of the bent chain, before the first state */
     for (int w = 0; w < 4; w++)
-        start.position_m[w] = world->walls[w].x;
-    must(world_command(world, &start));
-    world->path.n_steps = 0; /* no interval before the first */
+        start.position_m[w] = sample->walls[w].x;
+    must(sample_command(sample, &start));
+    sample->trajectory.n_steps = 0; /* no interval before the first */
     return fixture;
 }
 
@@ -79,10 +79,10 @@ static double chain_error(const char *scheme, int n)
     snprintf(coupling, sizeof coupling, "scheme = \"%s\"; interval_steps = %d;", scheme, n);
     struct fixture fixture = chain_open(coupling);
     fixture_run(&fixture, STEPS);
-    assert_int_equal(fixture.world->step, STEPS);
+    assert_int_equal(fixture.sample->step, STEPS);
     double rest = 2 * CHAIN * RADIUS - MASSES * OVERLAP;
     double exact = AMPLITUDE * chain_shape(MASSES) * cos(chain_omega() * STEPS * chain_dt());
-    double error = fabs(fixture.world->walls[1].x - rest - exact) / (AMPLITUDE * chain_shape(MASSES));
+    double error = fabs(fixture.sample->walls[1].x - rest - exact) / (AMPLITUDE * chain_shape(MASSES));
     fixture_close(&fixture);
     return error;
 }
@@ -119,7 +119,7 @@ static void impedance_is_exact_under_a_constant_load(void **unused)
         snprintf(coupling, sizeof coupling, "scheme = \"impedance\"; interval_steps = %d;", n);
         struct fixture fixture = chain_open(coupling);
         fixture_run(&fixture, STEPS);
-        assert_true(world_hash(fixture.world) == world_hash(exact.world));
+        assert_true(sample_hash(fixture.sample) == sample_hash(exact.sample));
         fixture_close(&fixture);
     }
     fixture_close(&exact);
@@ -132,12 +132,12 @@ static double adaptive_error(double tolerance, int *exchanges)
     char coupling[128];
     snprintf(coupling, sizeof coupling, "scheme = \"adaptive\"; interval_steps = 512; tolerance = %g;", tolerance);
     struct fixture fixture = chain_open(coupling);
-    struct world *world = fixture.world;
-    for (*exchanges = 0; world->step < STEPS; ++*exchanges)
-        fixture_run(&fixture, world->step + 1); /* one interval */
-    double rest = 2 * CHAIN * RADIUS - MASSES * OVERLAP, t = (double)world->step * chain_dt();
+    struct sample *sample = fixture.sample;
+    for (*exchanges = 0; sample->step < STEPS; ++*exchanges)
+        fixture_run(&fixture, sample->step + 1); /* one interval */
+    double rest = 2 * CHAIN * RADIUS - MASSES * OVERLAP, t = (double)sample->step * chain_dt();
     double exact = AMPLITUDE * chain_shape(MASSES) * cos(chain_omega() * t);
-    double error = fabs(world->walls[1].x - rest - exact) / (AMPLITUDE * chain_shape(MASSES));
+    double error = fabs(sample->walls[1].x - rest - exact) / (AMPLITUDE * chain_shape(MASSES));
     fixture_close(&fixture);
     return error;
 }
@@ -186,12 +186,12 @@ static void all_schemes_are_exact_at_one_step(void **unused)
     static const char *const schemes[] = {"jacobian", "adaptive", "impedance"};
     (void)unused;
     struct fixture exact = sample_run("scheme = \"hold\"; interval_steps = 1;", SAMPLE_STEPS);
-    assert_true(exact.world->interface.residual_j == 0);
+    assert_true(exact.sample->audit.residual_j == 0);
     for (int s = 0; s < 3; s++) {
         char coupling[128];
         snprintf(coupling, sizeof coupling, "scheme = \"%s\"; interval_steps = 1;", schemes[s]);
         struct fixture fixture = sample_run(coupling, SAMPLE_STEPS);
-        assert_true(world_hash(fixture.world) == world_hash(exact.world));
+        assert_true(sample_hash(fixture.sample) == sample_hash(exact.sample));
         fixture_close(&fixture);
     }
     fixture_close(&exact);
@@ -207,14 +207,14 @@ static void both_sides_measure_the_residual(void **unused)
         char coupling[128];
         snprintf(coupling, sizeof coupling, "scheme = \"jacobian\"; interval_steps = %d;", n);
         struct fixture fixture = sample_run(coupling, SAMPLE_STEPS);
-        const struct interface *face = &fixture.world->interface;
-        print_message("n = %d: %.3g J, controller %.3g J, work %.3g J\n", n, face->residual_j,
-                      face->controller_residual_j, fixture.world->ledger.work_walls);
-        assert_true(face->residual_j > 0 && face->residual_j < 0.03 * fixture.world->ledger.work_walls);
-        assert_true(face->controller_residual_j > 0);
-        assert_true(face->controller_residual_j < 0.3 * fixture.world->ledger.work_walls);
-        assert_true(face->residual_j < coarse / 4);
-        coarse = face->residual_j;
+        const struct coupling_audit *audit = &fixture.sample->audit;
+        print_message("n = %d: %.3g J, controller %.3g J, work %.3g J\n", n, audit->residual_j,
+                      audit->controller_residual_j, fixture.sample->ledger.work_walls);
+        assert_true(audit->residual_j > 0 && audit->residual_j < 0.03 * fixture.sample->ledger.work_walls);
+        assert_true(audit->controller_residual_j > 0);
+        assert_true(audit->controller_residual_j < 0.3 * fixture.sample->ledger.work_walls);
+        assert_true(audit->residual_j < coarse / 4);
+        coarse = audit->residual_j;
         fixture_close(&fixture);
     }
 }
@@ -230,7 +230,7 @@ static void impedance_foresees_the_load(void **unused)
             k == 0 ? "scheme = \"impedance\"; interval_steps = 400;" : "scheme = \"impedance\"; interval_steps = 200;",
             "walls = { x = { target = \"cosine\"; amplitude_pa = 100.0; period_s = 0.002; }; };"));
         fixture_run(&fixture, PRESS_STEPS);
-        jump[k] = fixture.world->interface.residual_j;
+        jump[k] = fixture.sample->audit.residual_j;
         fixture_close(&fixture);
     }
     print_message("jumps of the driving force: %.3g J, halved intervals %.3g J\n", jump[0], jump[1]);
@@ -244,11 +244,11 @@ static enum status pressed_then(const char *coupling, char message[512])
 {
     struct fixture fixture = fixture_from_text(sample_text("interval_steps = 1;", ""));
     fixture_run(&fixture, PRESS_STEPS);
-    struct fixture other = {.scene = fixture_scene_of(sample_text(coupling, "")), .world = fixture.world};
-    other.world->scene = other.scene;
+    struct fixture other = {.scene = fixture_scene_of(sample_text(coupling, "")), .sample = fixture.sample};
+    other.sample->scene = other.scene;
     enum status status = fixture_try(&other, SAMPLE_STEPS);
     snprintf(message, 512, "%s", status == STATUS_OK ? "" : status_message());
-    other.world->scene = fixture.scene;
+    other.sample->scene = fixture.scene;
     fixture_scene_free(other.scene);
     fixture_close(&fixture);
     return status;

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/kernels.h"
-#include "sim/memory.h"
-#include "sim/random.h"
+#include "sim/base/aligned_array.h"
+#include "sim/base/random.h"
+#include "sim/kernels/kernels.h"
 
 enum { WIDEST = SET_WIDTH, CONTACTS_MAX = 2 * WIDEST + 1, REPEATS = 3 };
 
@@ -91,7 +91,7 @@ static void random_particles(struct particles *p, int count, struct model model,
     }
     particles_set_mass(p, 2000);
     particles_set_views(p, 1e-4);
-    particles_enter(p);
+    particles_import_state(p);
 }
 
 /* Open, exactly or barely touching, small, common and large overlaps [m]. */
@@ -225,7 +225,7 @@ static void guard_particles(struct particles *p, guard_each *each)
         guard_doubles(p->omega[c], p->count, each);
         guard_doubles(p->alpha[c], p->count, each);
     }
-    const size_t real = p->single ? sizeof(float) : sizeof(double), rows = (size_t)p->n_rows;
+    const size_t real = p->single ? sizeof(float) : sizeof(double), rows = (size_t)p->n_padded;
     for (int c = 0; c < 3; c++) {
         each(p->view_u[c], sizeof(int32_t) * rows, sizeof(int32_t) * (rows + ARRAY_PADDING));
         each(p->view_v[c], real * rows, real * (rows + ARRAY_PADDING));
@@ -285,12 +285,12 @@ static void lists_compare(struct contact_list *a, struct contact_list *b)
 /* The sums of forces and moments but for those of the padding, which may differ in the sign of zero. */
 static void forces_compare(const struct particles *a, const struct particles *b)
 {
-    const size_t row = (size_t)ROW_BYTES(a->dimension, a->n_rotations > 0, a->single);
-    const size_t columns = PARTICLES_OWN_OFFSET(a->n_rows, a->dimension, a->n_rotations > 0, a->single);
+    const size_t row = (size_t)SUMS_BYTES(a->dimension, a->n_rotations > 0, a->single);
+    const size_t columns = PARTICLES_COLUMNS_OFFSET(a->n_padded, a->dimension, a->n_rotations > 0, a->single);
     const size_t real = a->single ? sizeof(float) : sizeof(double);
     assert_memory_equal(a->force, b->force, row * (size_t)a->count);
     for (int c = 0; c < a->dimension + a->n_rotations; c++) {
-        size_t at = columns + real * (size_t)(c * a->n_rows);
+        size_t at = columns + real * (size_t)(c * a->n_padded);
         assert_memory_equal((char *)a->force + at, (char *)b->force + at, real * (size_t)a->count);
     }
 }
@@ -549,7 +549,7 @@ static void mixed_steps_are_those_in_double(void **state)
             struct kernels ka = kernels_of(ISA_reference, model), kb = kernels_of(ISA_reference, mixed);
             double power, before = 0;
             particles_set_views(&b.p, 1); /* they go far from where they were listed */
-            particles_enter(&b.p);
+            particles_import_state(&b.p);
             (void)ka.drift(&a.p, 0, 0, INFINITY);
             (void)kb.drift(&b.p, 0, 0, INFINITY);
             (void)ka.kick(&a.p, &(struct kick_constants){0});
@@ -567,7 +567,7 @@ static void mixed_steps_are_those_in_double(void **state)
             }
             (void)ka.kick(&a.p, &kick);
             (void)kb.kick(&b.p, &kick);
-            particles_locate(&b.p);
+            particles_export_positions(&b.p);
             for (int c = 0; c < model.dimension; c++)
                 for (int i = 0; i < a.p.count; i++) {
                     double fallen = 0.5 * g * STEPS * dt * STEPS * dt;

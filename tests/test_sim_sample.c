@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "sim/measure.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/look/measure.h"
 
 /* ---- a free cluster ---- */
 
@@ -23,7 +23,7 @@ static struct fixture cluster(int dimension, bool friction)
                                "gamma_n_kg_per_s = 0.1; mu_s = 0.4; kt_n_per_m = 3e4; gamma_t_kg_per_s = 0.05;"
                              : "kn_n_per_m = 1e5; gamma_n_kg_per_s = 0.1;"};
     struct fixture f = fixture_open(&options);
-    struct particles *p = &f.world->particles;
+    struct particles *p = &f.sample->particles;
     struct random random;
     random_init(&random, 5);
     for (int i = 0; i < CLUSTER; i++) {
@@ -33,7 +33,7 @@ static struct fixture cluster(int dimension, bool friction)
             at[1] = i / 4;
         }
         for (int c = 0; c < dimension; c++) {
-            double middle = 0.5 * (f.world->walls[2 * c].x + f.world->walls[2 * c + 1].x);
+            double middle = 0.5 * (f.sample->walls[2 * c].x + f.sample->walls[2 * c + 1].x);
             p->x[c][i] = middle + 2.1e-3 * (at[c] - 1);
             p->v[c][i] = -500 * (p->x[c][i] - middle) + 0.1 * random_uniform(&random);
         }
@@ -67,12 +67,12 @@ static void momentum_is_conserved(void **state)
     for (int model = 0; model < 4; model++) {
         double before[3], after[3], scale, end_scale;
         struct fixture f = cluster(2 + model / 2, model % 2);
-        double kinetic = measure_kinetic_energy_j(f.world);
-        momentum(&f.world->particles, before, &scale);
+        double kinetic = measure_kinetic_energy_j(f.sample);
+        momentum(&f.sample->particles, before, &scale);
         fixture_steps(&f, STEPS);
-        momentum(&f.world->particles, after, &end_scale);
-        assert_true(measure_kinetic_energy_j(f.world) < 0.9 * kinetic); /* they did collide */
-        for (int c = 0; c < f.world->particles.dimension; c++)
+        momentum(&f.sample->particles, after, &end_scale);
+        assert_true(measure_kinetic_energy_j(f.sample) < 0.9 * kinetic); /* they did collide */
+        for (int c = 0; c < f.sample->particles.dimension; c++)
             assert_close("momentum", after[c], before[c], STEPS * CLUSTER * DBL_EPSILON * scale);
         fixture_close(&f);
     }
@@ -102,14 +102,14 @@ static double angular_momentum(const struct particles *p, int c)
 
 /* The law takes full radii as lever arms [D eq. 3] while centres are a_i + a_j - delta apart, so a contact leaves a
  * torque -delta n x f: the sum over contacts now. */
-static double torque_of_overlaps(const struct world *world, int c, double *sum_of_sizes)
+static double torque_of_overlaps(const struct sample *sample, int c, double *sum_of_sizes)
 {
     struct contact_measurement contacts[CLUSTER * CLUSTER];
     double sum = 0;
-    int n = measure_contacts(world, contacts);
+    int n = measure_contacts(sample, contacts);
     for (int k = 0; k < n; k++) {
         double torque = contacts[k].overlap_m *
-                        cross(contacts[k].normal, contacts[k].tangential_force_n, world->particles.dimension, c);
+                        cross(contacts[k].normal, contacts[k].tangential_force_n, sample->particles.dimension, c);
         sum -= torque;
         *sum_of_sizes += fabs(torque);
     }
@@ -125,19 +125,19 @@ static void angular_momentum_follows_the_torques(void **state)
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
         struct fixture f = cluster(dimension, true);
-        const struct particles *p = &f.world->particles;
+        const struct particles *p = &f.sample->particles;
         for (int c = 0; c < p->n_rotations; c++) {
             double before = angular_momentum(p, c), torque = 0, sizes = 0;
-            double last = torque_of_overlaps(f.world, c, &sizes);
+            double last = torque_of_overlaps(f.sample, c, &sizes);
             for (int k = 0; k < STEPS; k++) {
                 fixture_steps(&f, 1);
-                double now = torque_of_overlaps(f.world, c, &sizes);
-                torque += 0.5 * f.world->dt * (last + now);
+                double now = torque_of_overlaps(f.sample, c, &sizes);
+                torque += 0.5 * f.sample->dt * (last + now);
                 last = now;
             }
             /* x of about 0.2 m times m v of all: the terms that cancel */
             double scale = CLUSTER * p->mass[0] * 0.4 * 0.5;
-            double allowed = STEPS * CLUSTER * DBL_EPSILON * scale + 1e-3 * f.world->dt * sizes;
+            double allowed = STEPS * CLUSTER * DBL_EPSILON * scale + 1e-3 * f.sample->dt * sizes;
             assert_close("angular momentum", angular_momentum(p, c) - before, torque, allowed);
             if (c == 0) /* friction acted, and its part is above what is allowed */
                 assert_true(fabs(torque) > 10 * allowed);
@@ -176,9 +176,9 @@ static struct fixture box(int dimension, const char *material, double dt_s)
 }
 
 /* Work of all kinds in the ledger: the scale of its residual. */
-static double work_scale(const struct world *world, const struct measurement *m)
+static double work_scale(const struct sample *sample, const struct measurement *m)
 {
-    return fabs(world->ledger.work_walls) + fabs(m->work_gravity_j) + world->ledger.kinetic_start;
+    return fabs(sample->ledger.work_walls) + fabs(m->work_gravity_j) + sample->ledger.kinetic_start;
 }
 
 /* The whole ledger while a sample is compressed: every term is in use. dt is 1/36 of the shortest collision time, omega
@@ -196,32 +196,32 @@ static void ledger_of_a_compression(void **state)
         struct measurement m;
         struct fixture f = box(2 + model / 2, material[model % 2], 2e-7);
         fixture_run(&f, 150000);
-        must(measure(f.world, &m));
+        must(measure(f.sample, &m));
         print_message("%dD model %d: residual/work %.2e, %d contacts, walls %.3g %.3g Pa\n", 2 + model / 2, model % 2,
-                      m.residual_j / work_scale(f.world, &m), m.n_contacts, m.stress_wall_pa[0], m.stress_wall_pa[1]);
+                      m.residual_j / work_scale(f.sample, &m), m.n_contacts, m.stress_wall_pa[0], m.stress_wall_pa[1]);
         assert_true(m.n_contacts + m.n_wall_contacts > 60);
-        assert_true(fabs(m.residual_j) < 1e-3 * work_scale(f.world, &m));
+        assert_true(fabs(m.residual_j) < 1e-3 * work_scale(f.sample, &m));
         fixture_close(&f);
     }
 }
 
 /* (1/V) sum over wall contacts of -f (x) p, p the foot of the contact on its wall: what the walls exert from outside.
  */
-static void stress_from_outside(const struct world *world, double *stress)
+static void stress_from_outside(const struct sample *sample, double *stress)
 {
     static struct contact_measurement contacts[4096];
-    const struct particles *p = &world->particles;
-    const int dim = p->dimension, n = measure_contacts(world, NULL);
+    const struct particles *p = &sample->particles;
+    const int dim = p->dimension, n = measure_contacts(sample, NULL);
     double volume = 1;
     assert_true(n <= 4096);
-    measure_contacts(world, contacts);
+    measure_contacts(sample, contacts);
     for (int c = 0; c < dim; c++)
-        volume *= world_box_length_m(world, c);
+        volume *= sample_box_length_m(sample, c);
     for (int k = 0; k < dim * dim; k++) {
         const double *a = p->a[k / dim], *v = p->v[k / dim], *x = p->x[k % dim];
         stress[k] = 0;
         for (int i = 0; i < p->count; i++)
-            stress[k] += (p->mass[i] * a[i] + world->material->gamma_b_kg_per_s * v[i]) * x[i] / volume;
+            stress[k] += (p->mass[i] * a[i] + sample->material->gamma_b_kg_per_s * v[i]) * x[i] / volume;
     }
     for (int k = 0; k < n; k++) {
         int w = -1 - contacts[k].j;
@@ -229,7 +229,7 @@ static void stress_from_outside(const struct world *world, double *stress)
             continue;
         for (int a = 0; a < dim; a++)
             for (int b = 0; b < dim; b++) {
-                double foot = b == w / 2 ? world->walls[w].x : p->x[b][contacts[k].i];
+                double foot = b == w / 2 ? sample->walls[w].x : p->x[b][contacts[k].i];
                 double force = contacts[k].normal_force_n * contacts[k].normal[a] + contacts[k].tangential_force_n[a];
                 stress[a * dim + b] -= force * foot / volume;
             }
@@ -251,9 +251,9 @@ static void wall_stress_is_contact_stress(void **state)
         double outside[9], scale = 1e-6 * pressure_of(dim);
         struct fixture f = box(dim, material[model % 2], 1e-6);
         fixture_run(&f, 150000);
-        must(measure(f.world, &m));
+        must(measure(f.sample, &m));
         assert_true(m.n_contacts + m.n_wall_contacts > 60);
-        stress_from_outside(f.world, outside);
+        stress_from_outside(f.sample, outside);
         for (int k = 0; k < dim * dim; k++)
             assert_close("stress", m.stress_contact_pa[k], outside[k], scale);
         for (int c = 0; c < dim; c++) {

@@ -11,9 +11,9 @@
 
 #include "common/record_stream.h"
 #include "shakedown_frame_contacts_t.h"
-#include "sim/outlook.h"
-#include "sim/random.h"
-#include "sim/records.h"
+#include "sim/base/random.h"
+#include "sim/look/time_remaining.h"
+#include "sim/run/records.h"
 
 static char **scene_files;
 static int n_scene_files;
@@ -68,13 +68,13 @@ static struct fixture placed(int dimension, int count, const char *sample)
 }
 
 /* Nothing touches anything, and everything is inside. */
-static void check_apart(const struct world *world)
+static void check_apart(const struct sample *sample)
 {
-    const struct particles *p = &world->particles;
+    const struct particles *p = &sample->particles;
     for (int i = 0; i < p->count; i++) {
         for (int c = 0; c < p->dimension; c++)
-            assert_true(p->x[c][i] - p->radius[i] >= world->walls[2 * c].x &&
-                        p->x[c][i] + p->radius[i] <= world->walls[2 * c + 1].x);
+            assert_true(p->x[c][i] - p->radius[i] >= sample->walls[2 * c].x &&
+                        p->x[c][i] + p->radius[i] <= sample->walls[2 * c + 1].x);
         for (int j = 0; j < i; j++) {
             double d2 = 0, reach = p->radius[i] + p->radius[j];
             for (int c = 0; c < p->dimension; c++)
@@ -98,7 +98,7 @@ static void starts_do_not_overlap(void **state)
                 if (s > 0 && count[n] < 60) /* a box with room for one or two is too small to find it */
                     continue;
                 struct fixture f = placed(dimension, count[n], start[s]);
-                check_apart(f.world);
+                check_apart(f.sample);
                 fixture_close(&f);
             }
 }
@@ -112,7 +112,7 @@ static void gaussian_radii_keep_their_cuts(void **state)
     double mean = 0;
     (void)state;
     for (int i = 0; i < N; i++) {
-        double a = f.world->particles.radius[i];
+        double a = f.sample->particles.radius[i];
         assert_true(a >= 3e-3 && a <= 7e-3);
         mean += a / N;
     }
@@ -131,10 +131,10 @@ static void boxes_have_their_aspect(void **state)
                                        "radius_min_m = 1e-3; radius_max_m = 1e-3; aspect_ratio = 2.0; initial = "
                                        "\"random\"; solid_fraction = 0.2;");
         int last = dimension - 1;
-        double cells = world_box_length_m(lattice.world, 0) / 2.02e-3;
-        double ratio = world_box_length_m(lattice.world, last) / world_box_length_m(lattice.world, 0);
+        double cells = sample_box_length_m(lattice.sample, 0) / 2.02e-3;
+        double ratio = sample_box_length_m(lattice.sample, last) / sample_box_length_m(lattice.sample, 0);
         assert_close("lattice", ratio, 2, 2 * dimension / cells); /* one cell more across takes that much off */
-        ratio = world_box_length_m(random.world, last) / world_box_length_m(random.world, 0);
+        ratio = sample_box_length_m(random.sample, last) / sample_box_length_m(random.sample, 0);
         assert_close("random", ratio, 2, 4 * DBL_EPSILON);
         fixture_close(&lattice);
         fixture_close(&random);
@@ -148,17 +148,17 @@ static void no_room_is_an_error(void **state)
         "initial = \"random\"; solid_fraction = 0.6; };\nmaterial = { kn_n_per_m = 1e5; };\n"
         "stages = ( { name = \"a\"; dt_s = 1e-6; duration_s = 1.0; } );\n";
     char buffer[1024];
-    struct world *world;
+    struct sample *sample;
     (void)state;
     snprintf(buffer, sizeof buffer, text, 3, 1000); /* random addition jams at 0.38 in 3D */
     struct scene *scene = fixture_scene_of(buffer);
-    assert_int_equal(world_create(&world, scene), STATUS_LIMIT);
+    assert_int_equal(sample_create(&sample, scene), STATUS_LIMIT);
     assert_non_null(strstr(status_message(), "no room for particle"));
     fixture_scene_free(scene);
     snprintf(buffer, sizeof buffer, text, 2, 1);
     scene = fixture_scene_of(buffer);
     scene->sample.aspect_ratio = 100;
-    assert_int_equal(world_create(&world, scene), STATUS_LIMIT);
+    assert_int_equal(sample_create(&sample, scene), STATUS_LIMIT);
     assert_non_null(strstr(status_message(), "smaller than the largest particle"));
     fixture_scene_free(scene);
 }
@@ -195,10 +195,10 @@ static bool listed(const struct contact_list *list, int i, int j)
 }
 
 /* Lists rise strictly; every touching pair and wall contact is in them. Returns the number of touching pairs. */
-static int check_lists(const struct world *world)
+static int check_lists(const struct sample *sample)
 {
-    const struct particles *p = &world->particles;
-    const struct contact_list *pairs = &world->pairs;
+    const struct particles *p = &sample->particles;
+    const struct contact_list *pairs = &sample->pairs;
     int touching = 0;
     for (int k = 0; k < pairs->count; k++) {
         assert_true(pairs->i[k] < pairs->j[k] && pairs->j[k] < p->count);
@@ -214,8 +214,8 @@ static int check_lists(const struct world *world)
             touching += d2 < reach * reach;
             assert_true(!(d2 < reach * reach) || listed(pairs, i, j));
         }
-        for (int w = 0; w < world->n_walls; w++) {
-            const struct wall *wall = &world->walls[w];
+        for (int w = 0; w < sample->n_walls; w++) {
+            const struct wall *wall = &sample->walls[w];
             bool near = p->radius[i] > wall->inward * (p->x[wall->axis][i] - wall->x);
             assert_true(!near || listed(&wall->contacts, i, wall->contacts.count ? wall->contacts.j[0] : 0));
         }
@@ -230,13 +230,13 @@ static void lists_are_complete_through_motion(void **state)
     for (int dimension = 2; dimension <= 3; dimension++)
         for (int n = 0; n < 6; n++) {
             struct fixture f = gas(dimension, count[n], 0.1);
-            int64_t before = f.world->neighbor.rebuilds;
+            int64_t before = f.sample->verlet.rebuilds;
             int touching = 0;
             for (int k = 0; k < 4000; k++) {
                 fixture_steps(&f, 1);
-                touching += check_lists(f.world);
+                touching += check_lists(f.sample);
             }
-            assert_true(f.world->neighbor.rebuilds > before + 1);
+            assert_true(f.sample->verlet.rebuilds > before + 1);
             assert_true(count[n] < 60 || touching > 100);
             fixture_close(&f);
         }
@@ -256,12 +256,12 @@ static void the_skin_changes_nothing(void **state)
             fixture_steps(&f, 6000);
             for (int c = 0; c < dimension; c++)
                 for (int i = 0; i < 60; i++) {
-                    double x = f.world->particles.x[c][i];
+                    double x = f.sample->particles.x[c][i];
                     first[c][i] = k == 0 ? x : first[c][i];
                     worst = fmax(worst, fabs(x - first[c][i]));
                 }
-            assert_true(f.world->neighbor.rebuilds < rebuilds || f.world->neighbor.rebuilds < 4);
-            rebuilds = f.world->neighbor.rebuilds;
+            assert_true(f.sample->verlet.rebuilds < rebuilds || f.sample->verlet.rebuilds < 4);
+            rebuilds = f.sample->verlet.rebuilds;
             fixture_close(&f);
         }
         print_message("%dD: positions differ by %.2g m\n", dimension, worst);
@@ -276,13 +276,13 @@ static void open_steps_change_nothing(void **state)
     for (int dimension = 2; dimension <= 3; dimension++) {
         struct fixture a = gas(dimension, 60, 0.1), b = gas(dimension, 60, 0.1);
         for (int k = 0; k < 3000; k++) {
-            must(world_step(a.world));
-            must(world_step_open(b.world));
-            assert_true(b.world->open && !a.world->open);
+            must(sample_step(a.sample));
+            must(sample_step_open(b.sample));
+            assert_true(b.sample->open && !a.sample->open);
         }
-        assert_true(world_hash(a.world) == world_hash(b.world));
-        assert_true(a.world->ledger.background == b.world->ledger.background);
-        assert_true(b.world->neighbor.rebuilds > 1);
+        assert_true(sample_hash(a.sample) == sample_hash(b.sample));
+        assert_true(a.sample->ledger.background == b.sample->ledger.background);
+        assert_true(b.sample->verlet.rebuilds > 1);
         fixture_close(&a);
         fixture_close(&b);
     }
@@ -400,7 +400,7 @@ static void chunks_fit_into_messages(void **state)
     struct sizes sizes = {0};
     (void)state;
     for (int i = 0; i < options.count; i++)
-        f.world->particles.radius[i] = 0.15; /* the lattice's spacing is 0.202 m */
+        f.sample->particles.radius[i] = 0.15; /* the lattice's spacing is 0.202 m */
     fixture_start(&f);
     int file = mkstemp(path);
     assert_true(file >= 0 && close(file) == 0);
@@ -408,7 +408,7 @@ static void chunks_fit_into_messages(void **state)
     must(bus_open(&bus, url));
     must(record_stream_create(&stream, &bus, 1, 1));
     records_init(&records, stream, 1);
-    must(records_send_frame(&records, f.world));
+    must(records_send_frame(&records, f.sample));
     must(bus_flush(&bus));
     record_stream_free(stream);
     bus_close(&bus);
@@ -436,32 +436,32 @@ static struct scene *outlook_scene(const char *middle, const char *last)
     return fixture_scene_of(text);
 }
 
-static void expect_left(const struct outlook *outlook, const struct scene *scene, int stage, int64_t stage_step,
-                        double expected, enum outlook_kind kind)
+static void expect_left(const struct time_remaining *remaining, const struct scene *scene, int stage,
+                        int64_t stage_step, double expected, enum time_remaining_kind kind)
 {
-    enum outlook_kind got;
-    double steps = outlook_steps_left(outlook, scene, stage, stage_step, &got);
+    enum time_remaining_kind got;
+    double steps = time_remaining_steps(remaining, scene, stage, stage_step, &got);
     assert_close("steps left", steps, expected, 1e-9 * expected);
     assert_int_equal(got, kind);
 }
 
 /* Samples at every 10th step in [from, to] of exp(-step/50) times 1 + swing sin(step/7). */
-static struct outlook decay(int from, int to, double swing)
+static struct time_remaining decay(int from, int to, double swing)
 {
-    struct outlook outlook = {0};
+    struct time_remaining remaining = {0};
     for (int step = from; step <= to; step += 10)
-        outlook_add(&outlook, step, exp(-step / 50.0) * (1 + swing * sin(step / 7.0)));
-    return outlook;
+        time_remaining_add(&remaining, step, exp(-step / 50.0) * (1 + swing * sin(step / 7.0)));
+    return remaining;
 }
 
 static void lengths_that_are_known(void **state)
 {
-    const struct outlook none = {0};
+    const struct time_remaining none = {0};
     struct scene *scene = outlook_scene("", "");
     (void)state;
-    expect_left(&none, scene, -1, 0, 3000, OUTLOOK_KNOWN);
-    expect_left(&none, scene, 1, 250, 1750, OUTLOOK_KNOWN);
-    expect_left(&none, scene, 2, 999, 1, OUTLOOK_KNOWN);
+    expect_left(&none, scene, -1, 0, 3000, TIME_REMAINING_KNOWN);
+    expect_left(&none, scene, 1, 250, 1750, TIME_REMAINING_KNOWN);
+    expect_left(&none, scene, 2, 999, 1, TIME_REMAINING_KNOWN);
     fixture_scene_free(scene);
 }
 
@@ -469,12 +469,12 @@ static void lengths_that_are_known(void **state)
 static void a_decay_is_extrapolated(void **state)
 {
     struct scene *scene = outlook_scene("until_energy_ratio = 4.5399929762484854e-5;", "");
-    struct outlook pure = decay(10, 200, 0), three = decay(10, 30, 0);
+    struct time_remaining pure = decay(10, 200, 0), three = decay(10, 30, 0);
     (void)state;
-    expect_left(&pure, scene, 1, 200, 300 + 1000, OUTLOOK_EXTRAPOLATED);
-    expect_left(&pure, scene, 1, 207, 293 + 1000, OUTLOOK_EXTRAPOLATED);
-    expect_left(&three, scene, 1, 30, 970 + 1000, OUTLOOK_AT_MOST); /* too few */
-    expect_left(&pure, scene, 0, 200, 2800, OUTLOOK_AT_MOST);       /* the stage before has a length */
+    expect_left(&pure, scene, 1, 200, 300 + 1000, TIME_REMAINING_EXTRAPOLATED);
+    expect_left(&pure, scene, 1, 207, 293 + 1000, TIME_REMAINING_EXTRAPOLATED);
+    expect_left(&three, scene, 1, 30, 970 + 1000, TIME_REMAINING_AT_MOST); /* too few */
+    expect_left(&pure, scene, 0, 200, 2800, TIME_REMAINING_AT_MOST);       /* the stage before has a length */
     fixture_scene_free(scene);
 }
 
@@ -485,10 +485,10 @@ static void a_swing_does_little(void **state)
     struct scene *scene = outlook_scene("until_energy_ratio = 4.5399929762484854e-5;", "");
     (void)state;
     for (int step = 200; step < 450; step += 10) {
-        struct outlook swinging = decay(10, step, 0.5);
-        enum outlook_kind kind;
-        double end = step + outlook_steps_left(&swinging, scene, 1, step, &kind) - 1000;
-        assert_int_equal(kind, OUTLOOK_EXTRAPOLATED);
+        struct time_remaining swinging = decay(10, step, 0.5);
+        enum time_remaining_kind kind;
+        double end = step + time_remaining_steps(&swinging, scene, 1, step, &kind) - 1000;
+        assert_int_equal(kind, TIME_REMAINING_EXTRAPOLATED);
         assert_close("end of the stage", end, 500, 35 + 0.2 * (500 - step) + 10);
     }
     fixture_scene_free(scene);
@@ -498,31 +498,31 @@ static void a_swing_does_little(void **state)
 static void what_cannot_be_told_is_a_limit(void **state)
 {
     struct scene *scene = outlook_scene("until_energy_ratio = 1e-5;", "");
-    struct outlook growing = {0}, still = {0}, fast = decay(10, 200, 0), strange = decay(10, 200, 0);
+    struct time_remaining growing = {0}, still = {0}, fast = decay(10, 200, 0), strange = decay(10, 200, 0);
     (void)state;
     for (int k = 1; k <= 20; k++) {
-        outlook_add(&growing, 10 * k, exp(k));
-        outlook_add(&still, 10 * k, 1e-3 * (1 + 0.1 * (k % 2)));
+        time_remaining_add(&growing, 10 * k, exp(k));
+        time_remaining_add(&still, 10 * k, 1e-3 * (1 + 0.1 * (k % 2)));
     }
-    expect_left(&growing, scene, 1, 200, 1800, OUTLOOK_AT_MOST);
-    expect_left(&still, scene, 1, 200, 1800, OUTLOOK_AT_MOST);
-    outlook_add(&strange, 201, NAN);
-    outlook_add(&strange, 202, INFINITY);
-    outlook_add(&strange, 203, 0);
+    expect_left(&growing, scene, 1, 200, 1800, TIME_REMAINING_AT_MOST);
+    expect_left(&still, scene, 1, 200, 1800, TIME_REMAINING_AT_MOST);
+    time_remaining_add(&strange, 201, NAN);
+    time_remaining_add(&strange, 202, INFINITY);
+    time_remaining_add(&strange, 203, 0);
     assert_true(strange.samples == fast.samples && strange.last_step == fast.last_step && strange.sl == fast.sl);
     fixture_scene_free(scene);
     scene = outlook_scene("until_energy_ratio = 1e-300;", "");
-    expect_left(&fast, scene, 1, 200, 1800, OUTLOOK_EXTRAPOLATED); /* not beyond the limit */
+    expect_left(&fast, scene, 1, 200, 1800, TIME_REMAINING_EXTRAPOLATED); /* not beyond the limit */
     fixture_scene_free(scene);
     scene = outlook_scene("until_energy_ratio = 0.1; min_duration_s = 1e-3; until_stress_error = 1e-2;", "");
-    expect_left(&fast, scene, 1, 200, 300 + 1000, OUTLOOK_EXTRAPOLATED);
-    expect_left(&fast, scene, 1, 510, 490 + 1000, OUTLOOK_AT_MOST); /* it waits for the stress */
+    expect_left(&fast, scene, 1, 200, 300 + 1000, TIME_REMAINING_EXTRAPOLATED);
+    expect_left(&fast, scene, 1, 510, 490 + 1000, TIME_REMAINING_AT_MOST); /* it waits for the stress */
     fixture_scene_free(scene);
     scene = outlook_scene("until_stress_error = 1e-2;", "");
-    expect_left(&fast, scene, 1, 200, 1800, OUTLOOK_AT_MOST);
+    expect_left(&fast, scene, 1, 200, 1800, TIME_REMAINING_AT_MOST);
     fixture_scene_free(scene);
     scene = outlook_scene("until_energy_ratio = 4.5399929762484854e-5;", "until_energy_ratio = 1e-5;");
-    expect_left(&fast, scene, 1, 200, 300 + 1000, OUTLOOK_AT_MOST); /* of the last stage nothing is known */
+    expect_left(&fast, scene, 1, 200, 300 + 1000, TIME_REMAINING_AT_MOST); /* of the last stage nothing is known */
     fixture_scene_free(scene);
 }
 

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 enum { LARGE = 10000, LARGER = 30000, SMALL = 9000, STEPS = 40 };
 
@@ -22,14 +22,14 @@ static struct fixture crowd(int dimension, int count, int threads, const char *p
                                             "gamma_b_kg_per_s = 1e-4;",
                                             more};
     struct fixture f = fixture_open(&options);
-    struct world *world = f.world;
-    struct particles *p = &world->particles;
+    struct sample *sample = f.sample;
+    struct particles *p = &sample->particles;
     struct random random;
     random_init(&random, 11);
     double side = pow(particles_solid_volume(p) / 0.7, 1.0 / dimension);
     for (int c = 0; c < dimension; c++) {
-        world->walls[2 * c].x = 0;
-        world->walls[2 * c + 1].x = side;
+        sample->walls[2 * c].x = 0;
+        sample->walls[2 * c + 1].x = side;
         for (int i = 0; i < count; i++) {
             p->x[c][i] = side * random_uniform(&random);
             p->v[c][i] = 2 * random_uniform(&random) - 1;
@@ -47,15 +47,15 @@ static bool same_losses(const struct ledger *a, const struct ledger *b)
 /* Steps that are left open for the next one, which goes on with a part of the particles as soon as it can. */
 static void sweeping_steps(struct fixture *f)
 {
-    const struct threads *threads = &f->world->threads;
+    const struct threads *threads = &f->sample->threads;
     int swept = 0;
     for (int k = 0; k < STEPS; k++)
-        must(world_step_open(f->world));
+        must(sample_step_open(f->sample));
     for (int q = 0; q < threads->n_parts; q++)
         swept += threads->part[q].piece >= 0;
     print_message("%d of %d parts are swept\n", swept, threads->n_parts);
     assert_true(threads->sweeps && 2 * swept >= threads->n_parts);
-    world_settle(f->world);
+    sample_complete(f->sample);
 }
 
 /* Positions, velocities, rotations, walls, and the energy ledger, whose sums have a fixed order too. */
@@ -67,17 +67,17 @@ static void any_number_gives_the_same_bits(void **state)
         const char *precision = model % 2 ? "mixed" : "double";
         struct fixture one = crowd(dimension, LARGE, 1, precision);
         fixture_steps(&one, STEPS);
-        assert_int_equal(one.world->threads.n, 1);
-        assert_true(one.world->threads.n_cuts > 1 && one.world->pairs.count > LARGE);
-        assert_true(one.world->neighbor.rebuilds > 4);
+        assert_int_equal(one.sample->threads.n, 1);
+        assert_true(one.sample->threads.n_cuts > 1 && one.sample->pairs.count > LARGE);
+        assert_true(one.sample->verlet.rebuilds > 4);
         for (int threads = 1; threads <= 4; threads++) {
             struct fixture many = crowd(dimension, LARGE, threads, precision);
             sweeping_steps(&many);
 #ifndef __SANITIZE_THREAD__
-            assert_int_equal(many.world->threads.n, threads);
+            assert_int_equal(many.sample->threads.n, threads);
 #endif
-            assert_true(world_hash(one.world) == world_hash(many.world));
-            assert_true(same_losses(&one.world->ledger, &many.world->ledger));
+            assert_true(sample_hash(one.sample) == sample_hash(many.sample));
+            assert_true(same_losses(&one.sample->ledger, &many.sample->ledger));
             fixture_close(&many);
         }
         fixture_close(&one);
@@ -91,21 +91,21 @@ static void pieces_add_up(void **state)
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
         struct fixture pieces = crowd(dimension, LARGER, 2, "double"), whole = crowd(dimension, LARGER, 1, "double");
-        const struct particles *a = &pieces.world->particles, *b = &whole.world->particles;
+        const struct particles *a = &pieces.sample->particles, *b = &whole.sample->particles;
         double worst = 0;
-        whole.world->threads.n_parts = 1;
+        whole.sample->threads.n_parts = 1;
         fixture_steps(&pieces, STEPS);
         fixture_steps(&whole, STEPS);
         for (int i = 0; i < a->count; i++)
             for (int c = 0; c < dimension; c++)
                 worst = fmax(worst, fabs(a->v[c][a->slot[i]] - b->v[c][b->slot[i]]));
         print_message("%dD: %d pieces of the pairs, velocities differ by %.2g m/s\n", dimension,
-                      pieces.world->threads.n_cuts, worst);
+                      pieces.sample->threads.n_cuts, worst);
         assert_true(worst > 0);
         assert_close("largest difference", worst, 0, 1e-12);
-        assert_close("work of the background", pieces.world->ledger.background, whole.world->ledger.background,
-                     1e-12 * whole.world->ledger.background);
-        whole.world->threads.n_parts = pieces.world->threads.n_parts; /* to be freed */
+        assert_close("work of the background", pieces.sample->ledger.background, whole.sample->ledger.background,
+                     1e-12 * whole.sample->ledger.background);
+        whole.sample->threads.n_parts = pieces.sample->threads.n_parts; /* to be freed */
         fixture_close(&pieces);
         fixture_close(&whole);
     }
@@ -115,8 +115,8 @@ static void small_samples_are_left_alone(void **state)
 {
     (void)state;
     struct fixture f = crowd(2, SMALL, 4, "double");
-    assert_int_equal(f.world->threads.n, 1);
-    assert_int_equal(f.world->threads.n_parts, 1);
+    assert_int_equal(f.sample->threads.n, 1);
+    assert_int_equal(f.sample->threads.n_parts, 1);
     fixture_close(&f);
 }
 

@@ -1,0 +1,119 @@
+#include "sim/contacts/contact_list.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/base/aligned_array.h"
+
+struct contact_law_constants contact_law_constants_of(const struct scene_material *m)
+{
+    bool linear = m->law == LAW_LINEAR;
+    struct contact_law_constants law = {
+        .k1 = linear ? m->kn_n_per_m : m->k1_n_per_m,
+        .k2 = linear ? m->kn_n_per_m : m->k2_n_per_m,
+        .kc = linear ? 0 : m->kc_n_per_m,
+        .gamma_n = m->gamma_n_kg_per_s,
+        .mu_s = m->mu_s,
+        .mu_d = m->mu_d,
+        .kt = m->kt_n_per_m,
+        .inv_kt = m->kt_n_per_m > 0 ? 1 / m->kt_n_per_m : 0,
+        .gamma_t = m->gamma_t_kg_per_s,
+    };
+    law.k2_minus_k1 = law.k2 - law.k1;
+    law.branch_ratio = law.k2_minus_k1 > 0 ? (law.k2 + law.kc) / law.k2_minus_k1 : 0;
+    double delta_min_ratio = law.k2_minus_k1 / (law.k2 + law.kc); /* delta_min = ratio delta_max [LH] */
+    law.loading_loss = 0.5 * law.k1 * (1 - law.k1 / law.k2);
+    law.adhesion_loss = 0.5 * law.kc * (1 + law.kc / law.k2) * delta_min_ratio * delta_min_ratio;
+    return law;
+}
+
+enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension)
+{
+    (void)dimension;
+    if (capacity <= list->capacity)
+        return STATUS_OK;
+    size_t size = (size_t)capacity, keep = (size_t)list->count;
+    TRY(array_resize(&list->i, sizeof *list->i, size, keep));
+    TRY(array_resize(&list->j, sizeof *list->j, size, keep));
+    TRY(array_resize(&list->slot, sizeof *list->slot, size, keep));
+    TRY(array_resize(&list->reach, sizeof(double), size, keep));
+    if (list->hysteretic)
+        TRY(array_resize(&list->history, sizeof(double), size, keep));
+    for (int c = 0; c < list->n_springs; c++) {
+        TRY(array_resize(&list->spring[c], sizeof(double), size, keep));
+        TRY(array_resize(&list->rest[c], sizeof(double), size, keep));
+    }
+    if (list->n_springs)
+        TRY(array_resize(&list->sliding, sizeof *list->sliding, size, keep));
+    list->capacity = capacity;
+    return STATUS_OK;
+}
+
+void contact_losses_add(struct contact_losses *sum, const struct contact_losses *lost)
+{
+    sum->hysteresis += lost->hysteresis;
+    sum->viscous_normal += lost->viscous_normal;
+    sum->viscous_tangential += lost->viscous_tangential;
+    sum->friction += lost->friction;
+}
+
+void contact_list_carry(struct contact_list *to, int t, const struct contact_list *from, int f)
+{
+    if (to->hysteretic)
+        to->history[t] = from->history[f];
+    if (to->n_springs)
+        to->sliding[t] = from->sliding[f];
+    for (int c = 0; c < to->n_springs; c++) {
+        to->spring[c][t] = from->spring[c][f];
+        to->rest[c][t] = from->rest[c][f];
+    }
+}
+
+void contact_list_clear(struct contact_list *to, int t)
+{
+    if (to->hysteretic)
+        to->history[t] = 0;
+    if (to->n_springs)
+        to->sliding[t] = 0;
+    for (int c = 0; c < to->n_springs; c++)
+        to->spring[c][t] = to->rest[c][t] = 0;
+}
+
+enum status contact_list_work(struct contact_list *list, size_t count, size_t kept)
+{
+    const size_t size = count + count / 8;
+    if (count <= list->scratch_size)
+        return STATUS_OK;
+    TRY(array_resize(&list->scratch, sizeof *list->scratch, size, kept));
+    list->scratch_size = size;
+    return STATUS_OK;
+}
+
+void contact_list_free(struct contact_list *list)
+{
+    free(list->i);
+    free(list->j);
+    free(list->slot);
+    free(list->reach);
+    free(list->history);
+    free(list->sliding);
+    for (int c = 0; c < 3; c++) {
+        free(list->spring[c]);
+        free(list->rest[c]);
+    }
+    free(list->scratch);
+    free(list->slots.span);
+    free(list->slots.first);
+    free(list->slots.partner);
+    free(list->slots.gap);
+    for (int c = 0; c < 3; c++)
+        free(list->slots.built[c]);
+    free(list->slots.reach);
+    free(list->slots.history);
+    free(list->slots.sliding);
+    for (int c = 0; c < 3; c++) {
+        free(list->slots.spring[c]);
+        free(list->slots.rest[c]);
+    }
+    memset(list, 0, sizeof *list);
+}

@@ -1,0 +1,135 @@
+/* Contacts: the lists of candidate pairs and wall contacts with their history, and the constants of the law. `n` is the
+ * unit normal from j (or the wall) to i; forces act on i and, reversed, on j. */
+#ifndef SHAKEDOWN_SIM_CONTACTS_CONTACT_LIST_H
+#define SHAKEDOWN_SIM_CONTACTS_CONTACT_LIST_H
+
+#include <stdint.h>
+
+#include "common/scene.h"
+#include "sim/grains/particles.h"
+
+/* One stage's law, ready for the kernels. */
+struct contact_law_constants {
+    double k1, k2, kc; /* N/m; linear law: k1 = k2, kc = 0 */
+    double gamma_n;    /* kg/s */
+    double mu_s, mu_d;
+    double kt, inv_kt;    /* N/m, m/N */
+    double gamma_t;       /* kg/s */
+    double dt;            /* s; 0: forces are evaluated anew and no time passes */
+    double k2_minus_k1;   /* k2 delta_0 = (k2 - k1) delta_max */
+    double branch_ratio;  /* on the adhesion branch delta_max = branch_ratio delta; 0 if k1 = k2 */
+    double loading_loss;  /* hysteresis loss per increase of delta_max^2: k1 (1 - k1/k2) / 2 */
+    double adhesion_loss; /* and per decrease: kc (1 + kc/k2) ((k2 - k1)/(k2 + kc))^2 / 2 */
+};
+
+/* Energy lost in contacts since the start of the stage [J]. */
+struct contact_losses {
+    double hysteresis, viscous_normal, viscous_tangential, friction;
+};
+
+/* What kernels take at a time: a set, of two halves; and what a range of a list is made of, a span of particles, which
+ * is wide in small samples in 2D. */
+enum { SET_WIDTH = 16, HALF_WIDTH = 8, SPAN_WIDTH = 1024, WIDE_SPAN = 2048 };
+
+/* Particles first ... last - 1, in whole sets, and the sets that are theirs: those of neighbours in the order, one
+ * after the other, if there are any, from set `next` on; from `whole` on others of SET_WIDTH particles side by side;
+ * and from `halves` to end - 1 those whose halves may stand apart. */
+struct contact_span {
+    int first, last;
+    int next, whole, halves, end;
+};
+
+/* The kernels' order of a list, slot by slot; SET_WIDTH slots are a set. Pairs: a half of a set, in 3D a whole one,
+ * belongs to particles that stand side by side, and its slot l holds a partner of the l-th, so that these are read and
+ * summed without looking around; either member of a pair may be the one whose slot it is in. If most particles have a
+ * candidate right behind them (neighbour_chains.h), these partners have sets of their own, each of SET_WIDTH particles
+ * side by side, whose partners stand side by side as well. Walls: the members one after the other. Empty slots hold the
+ * padding particle, which never touches, or partners out of reach. Double, or float if the contacts are single. */
+struct contact_slots {
+    struct contact_span *span; /* [n_spans] pairs */
+    int n_spans, span_capacity;
+    int capacity;      /* in sets */
+    double unit;       /* of lengths as told [m]: single: the quantum (particles.h), a power of 2; else 1 */
+    uint32_t *first;   /* [2 n_sets] pairs: the first of the particles i of each half */
+    uint32_t *partner; /* [slots] where the record of j starts [doubles]; walls: that of i */
+    float *built[3];   /* single: x_i - x_j when the lists were built [unit]; not of walls */
+    float *gap;      /* single: (a_i + a_j)^2 less that distance's square [unit^2]; of walls the overlap then [unit] */
+    void *reach;     /* a_i + a_j [unit], walls a_i [m] */
+    void *history;   /* as below [unit] */
+    void *spring[3]; /* of i against j */
+    void *rest[3];   /* single: what rounding left out of spring */
+    void *sliding;
+};
+
+/* Candidates for contact with their history, sorted by (i, j). Open candidates have zero history and force. The history
+ * (history, spring, rest, sliding) is that of the last contact_list_read; contact_list_close hands it over to the
+ * kernels. */
+struct contact_list {
+    int count, capacity;
+    int32_t *i;        /* [count] */
+    int32_t *j;        /* [count] other particle, i < j; in the list of a wall: particles->count */
+    double *reach;     /* a_i + a_j, walls a_i [m] */
+    double *history;   /* delta_max [m]; hysteretic law only */
+    double *spring[3]; /* tangential spring at the middle of the step to come [m]: 1 component in 2D, 3 in 3D */
+    double *rest[3];   /* what is missing in it; 0 unless single */
+    double *sliding;   /* 1: slides, 0: sticks */
+    int n_springs;     /* 0 without friction */
+    bool hysteretic;
+    bool single;      /* the kernels keep the history in float */
+    bool closed;      /* the kernels have the history */
+    int search_max;   /* particles asked for room before a set is added (slot_assignment.h); 0: as many as ever pay */
+    int n_sets;       /* that the kernels go through; set by contact_list_close */
+    uint32_t *slot;   /* [count] where the kernels have it: twice the slot, 1 more if that is j's */
+    int32_t *scratch; /* of contact_list_close */
+    size_t scratch_size;
+    struct contact_slots slots;
+};
+
+struct wall {
+    int axis;      /* component of its normal */
+    double inward; /* +1: lower wall, -1: upper wall: its normal into the box */
+    double x, v;   /* coordinate and velocity along the axis at the current step [m, m/s] */
+    double force;  /* of the particles on it, outward [N] */
+    int touching;  /* and how many they are */
+    double x_list; /* at the last rebuild of the lists */
+    struct contact_list contacts;
+};
+
+/* Constants of a stage; dt is set by the caller at each force evaluation. */
+struct contact_law_constants contact_law_constants_of(const struct scene_material *material);
+
+/* Adds the losses of `lost` to `sum`. */
+void contact_losses_add(struct contact_losses *sum, const struct contact_losses *lost);
+
+/* Brings the members' history up to date with what the kernels did; to be called before it is read. */
+void contact_list_read(struct contact_list *list);
+
+/* The history of member k as it is now, without contact_list_read. */
+double contact_list_history(const struct contact_list *list, int k);
+double contact_list_spring(const struct contact_list *list, int component, int k);
+bool contact_list_slides(const struct contact_list *list, int k);
+
+/* The history of member f of `from` becomes that of member t of `to`, a list of the same model; or none. For lists
+ * that are read and not closed yet. */
+void contact_list_carry(struct contact_list *to, int t, const struct contact_list *from, int f);
+void contact_list_clear(struct contact_list *to, int t);
+
+/* Hands the list over to the kernels: finds slots and copies the history there. To be called whenever i, j, reach or
+ * the history have changed, with x_list of the particles and of the wall as they were built for. wall: NULL for pairs.
+ * Errors: STATUS_NO_MEMORY. */
+enum status contact_list_close(struct contact_list *list, const struct particles *particles,
+                               const struct wall *wall) MUST_USE;
+
+/* The same but for the history, which the caller is to write into every slot (history_transfer.h). */
+enum status contact_list_place(struct contact_list *list, const struct particles *particles,
+                               const struct wall *wall) MUST_USE;
+
+/* Makes room for `capacity` members; contents are kept. */
+enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension) MUST_USE;
+void contact_list_free(struct contact_list *list);
+
+/* Room for `count` members of the working memory, of which the first `kept` keep what they are. Errors:
+ * STATUS_NO_MEMORY. */
+enum status contact_list_work(struct contact_list *list, size_t count, size_t kept) MUST_USE;
+
+#endif

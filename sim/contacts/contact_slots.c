@@ -1,0 +1,259 @@
+/* The kernels' order of the contacts (contacts.h): who gets which slot, and the history's way there and back. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/base/aligned_array.h"
+#include "sim/contacts/contact_list.h"
+#include "sim/contacts/slot_assignment.h"
+
+static enum status slots_reserve(struct contact_list *list, int dimension)
+{
+    struct contact_slots *slots = &list->slots;
+    const size_t real = list->single ? sizeof(float) : sizeof(double);
+    if (list->n_sets <= slots->capacity)
+        return STATUS_OK;
+    size_t sets = (size_t)list->n_sets + (size_t)list->n_sets / 8;
+    size_t size = sets * SET_WIDTH;
+    TRY(array_resize(&slots->first, sizeof *slots->first, 2 * sets, 0));
+    TRY(array_resize(&slots->partner, sizeof *slots->partner, size, 0));
+    for (int c = 0; list->single && c < dimension; c++)
+        TRY(array_resize(&slots->built[c], sizeof(float), size, 0));
+    if (list->single)
+        TRY(array_resize(&slots->gap, sizeof(float), size, 0));
+    TRY(array_resize(&slots->reach, real, size, 0));
+    if (list->hysteretic)
+        TRY(array_resize(&slots->history, real, size, 0));
+    for (int c = 0; c < list->n_springs; c++) {
+        TRY(array_resize(&slots->spring[c], real, size, 0));
+        TRY(array_resize(&slots->rest[c], real, size, 0));
+    }
+    if (list->n_springs)
+        TRY(array_resize(&slots->sliding, real, size, 0));
+    slots->capacity = (int)sets;
+    return STATUS_OK;
+}
+
+static void put(const struct contact_list *list, void *array, size_t slot, double value)
+{
+    if (list->single)
+        ((float *)array)[slot] = (float)value;
+    else
+        ((double *)array)[slot] = value;
+}
+
+static double get(const struct contact_list *list, const void *array, size_t slot)
+{
+    return list->single ? ((const float *)array)[slot] : ((const double *)array)[slot];
+}
+
+/* The spring of i against j, for j's slot the other way round: a vector in 3D, a number along a tangent that turns with
+ * the pair in 2D. */
+static double sign_of(const struct contact_list *list, int k)
+{
+    return list->n_springs == 3 && list->slot[k] % 2 ? -1 : 1;
+}
+
+/* The padding particle is nowhere near: single by `built` and `gap`, which are more units than anything moves and still
+ * have a square, double by its place, but walls know no distance to it: `nothing` is its reach. */
+static void empty_slots(struct contact_list *list, int dimension, uint32_t padding_row, double nothing)
+{
+    const size_t size = (size_t)list->n_sets * SET_WIDTH, real = list->single ? sizeof(float) : sizeof(double);
+    struct contact_slots *slots = &list->slots;
+    for (size_t s = 0; s < size; s++) {
+        slots->partner[s] = padding_row;
+        if (list->single) {
+            slots->gap[s] = -0x1p80F;
+            slots->built[0][s] = 0x1p40F;
+        }
+    }
+    for (int c = 1; list->single && c < dimension; c++)
+        memset(slots->built[c], 0, real * size);
+    for (size_t s = 0; s < size; s++)
+        put(list, slots->reach, s, nothing);
+}
+
+/* Single: where the partner of slot s was when the lists were built, from particle i; of walls only how far. per_unit:
+ * 1/unit, a power of 2. */
+static void fill_built(struct contact_list *list, size_t s, double reach, const struct particles *p, int i, int j,
+                       const struct wall *wall, double per_unit)
+{
+    struct contact_slots *slots = &list->slots;
+    if (wall) {
+        slots->gap[s] = (float)((reach - wall->inward * (p->x_list[wall->axis][i] - wall->x_list)) * per_unit);
+        return;
+    }
+    double gap = reach * reach;
+    for (int c = 0; c < p->dimension; c++) {
+        double d = p->x_list[c][i] - p->x_list[c][j];
+        slots->built[c][s] = (float)(d * per_unit);
+        gap -= d * d;
+    }
+    slots->gap[s] = (float)(gap * (per_unit * per_unit));
+}
+
+static void fill_slots(struct contact_list *list, const struct particles *p, const struct wall *wall, uint32_t stride)
+{
+    struct contact_slots *slots = &list->slots;
+    const double per_unit = 1 / slots->unit, reach_per = wall ? 1 : per_unit;
+    for (int k = 0; k < list->count; k++) {
+        const size_t s = list->slot[k] / 2;
+        const int32_t turned = wall || list->slot[k] % 2; /* no branch: it could not be predicted */
+        const int32_t both = list->i[k] ^ list->j[k], j = list->j[k] ^ (both & -turned);
+        const int32_t i = wall ? list->i[k] : both ^ j;
+        slots->partner[s] = stride * (uint32_t)j;
+        if (list->single)
+            fill_built(list, s, list->reach[k], p, i, j, wall, per_unit);
+        put(list, slots->reach, s, list->reach[k] * reach_per);
+    }
+}
+
+static void fill_history(struct contact_list *list)
+{
+    const size_t size = (size_t)list->n_sets * SET_WIDTH * (list->single ? sizeof(float) : sizeof(double));
+    struct contact_slots *slots = &list->slots;
+    if (list->hysteretic)
+        memset(slots->history, 0, size);
+    if (list->n_springs)
+        memset(slots->sliding, 0, size);
+    for (int c = 0; c < list->n_springs; c++) {
+        memset(slots->spring[c], 0, size);
+        memset(slots->rest[c], 0, size);
+    }
+    for (int k = 0; k < list->count; k++) {
+        const size_t s = list->slot[k] / 2;
+        if (list->hysteretic)
+            put(list, slots->history, s, list->history[k] / slots->unit);
+        if (list->n_springs)
+            put(list, slots->sliding, s, list->sliding[k]);
+        for (int c = 0; c < list->n_springs; c++) {
+            put(list, slots->spring[c], s, sign_of(list, k) * list->spring[c][k]);
+            put(list, slots->rest[c], s, sign_of(list, k) * list->rest[c][k]);
+        }
+    }
+}
+
+static enum status spans_reserve(struct contact_slots *slots, int n)
+{
+    if (n <= slots->span_capacity)
+        return STATUS_OK;
+    TRY(array_resize(&slots->span, sizeof *slots->span, (size_t)n, 0));
+    slots->span_capacity = n;
+    return STATUS_OK;
+}
+
+/* Particles and sets of span s. */
+static struct contact_span span_of(const struct slot_assignment *deal, int s, int n_particles)
+{
+    const int first = s * deal->span_width, rest = (n_particles - first + SET_WIDTH - 1) / SET_WIDTH * SET_WIDTH;
+    return (struct contact_span){.first = first,
+                                 .last = first + (rest < deal->span_width ? rest : deal->span_width),
+                                 .next = deal->span[s],
+                                 .whole = slot_assignment_whole_set(deal, s),
+                                 .halves = slot_assignment_halves_set(deal, s),
+                                 .end = deal->span[s + 1]};
+}
+
+static void fill_row(struct contact_slots *slots, const struct slot_assignment *deal, int b, int row)
+{
+    const int halves = deal->width / HALF_WIDTH;
+    for (int h = 0; h < halves; h++)
+        slots->first[row * halves + h] = (uint32_t)(deal->width * b + HALF_WIDTH * h);
+}
+
+static void fill_first(struct contact_slots *slots, const struct slot_assignment *deal)
+{
+    for (int s = 0; s < deal->n_spans; s++) /* also of what is nobody's */
+        for (int half = 2 * deal->span[s]; half < 2 * deal->span[s + 1]; half++)
+            slots->first[half] = (uint32_t)(s * deal->span_width);
+    for (int b = 0; b < deal->n_blocks; b++) {
+        if (deal->chained)
+            fill_row(slots, deal, b, slot_assignment_chain_row(deal, b));
+        for (int k = 0, n = slot_assignment_rows(deal, b); k < n; k++)
+            fill_row(slots, deal, b, slot_assignment_row(deal, b, k));
+    }
+}
+
+/* Blocks of half a set are filled better; in 3D that does not pay for what two halves cost the kernels (2D, AVX2: 4 %
+ * of a step gained; 3D, AVX-512: 3 % lost). So do wide spans, in small samples (2D 2 % of the pairs gained, 3D 2 %
+ * lost). */
+static enum status assign_pairs(struct contact_list *list, const struct particles *p)
+{
+    struct slot_assignment deal;
+    const int width = p->dimension == 2 ? HALF_WIDTH : SET_WIDTH,
+              span_width = p->dimension == 2 && p->count < PARTICLES_LARGE_SAMPLE ? WIDE_SPAN : SPAN_WIDTH;
+    TRY(slot_assignment_make(list, p->count, width, span_width, &deal));
+    TRY(slots_reserve(list, p->dimension));
+    TRY(spans_reserve(&list->slots, deal.n_spans));
+    list->slots.n_spans = deal.n_spans;
+    for (int s = 0; s < deal.n_spans; s++)
+        list->slots.span[s] = span_of(&deal, s, p->count);
+    fill_first(&list->slots, &deal);
+    return STATUS_OK;
+}
+
+static enum status assign_wall(struct contact_list *list, int dimension)
+{
+    list->n_sets = (list->count + SET_WIDTH - 1) / SET_WIDTH;
+    for (int k = 0; k < list->count; k++)
+        list->slot[k] = 2 * (uint32_t)k;
+    return slots_reserve(list, dimension);
+}
+
+enum status contact_list_place(struct contact_list *list, const struct particles *particles, const struct wall *wall)
+{
+    const uint32_t stride = RECORD_STRIDE(particles->dimension, particles->n_rotations > 0, particles->single);
+    if (list->count > INT32_MAX / (4 * SET_WIDTH))
+        return status_fail(STATUS_LIMIT, "%d candidates for contact are too many", list->count);
+    list->closed = true;
+    list->slots.unit = list->single ? particles->quantum : 1;
+    TRY(wall ? assign_wall(list, particles->dimension) : assign_pairs(list, particles));
+    if (list->count == 0)
+        return STATUS_OK;
+    /* nothing: no reach, and for walls less than none, for they know no distance to the padding particle */
+    empty_slots(list, particles->dimension, stride * (uint32_t)particles_padding(particles), wall ? -1e30 : 0);
+    fill_slots(list, particles, wall, stride);
+    return STATUS_OK;
+}
+
+enum status contact_list_close(struct contact_list *list, const struct particles *particles, const struct wall *wall)
+{
+    TRY(contact_list_place(list, particles, wall));
+    if (list->count)
+        fill_history(list);
+    return STATUS_OK;
+}
+
+double contact_list_history(const struct contact_list *list, int k)
+{
+    const struct contact_slots *slots = &list->slots;
+    return list->closed ? slots->unit * get(list, slots->history, list->slot[k] / 2) : list->history[k];
+}
+
+double contact_list_spring(const struct contact_list *list, int c, int k)
+{
+    if (!list->closed)
+        return list->spring[c][k] + list->rest[c][k];
+    const size_t s = list->slot[k] / 2;
+    return sign_of(list, k) * (get(list, list->slots.spring[c], s) + get(list, list->slots.rest[c], s));
+}
+
+bool contact_list_slides(const struct contact_list *list, int k)
+{
+    return (list->closed ? get(list, list->slots.sliding, list->slot[k] / 2) : list->sliding[k]) > 0;
+}
+
+void contact_list_read(struct contact_list *list)
+{
+    const struct contact_slots *slots = &list->slots;
+    for (int k = 0; list->closed && k < list->count; k++) {
+        const size_t s = list->slot[k] / 2;
+        if (list->hysteretic)
+            list->history[k] = slots->unit * get(list, slots->history, s);
+        if (list->n_springs)
+            list->sliding[k] = get(list, slots->sliding, s);
+        for (int c = 0; c < list->n_springs; c++) {
+            list->spring[c][k] = sign_of(list, k) * get(list, slots->spring[c], s);
+            list->rest[c][k] = sign_of(list, k) * get(list, slots->rest[c], s);
+        }
+    }
+}

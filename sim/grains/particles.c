@@ -1,0 +1,243 @@
+#include "sim/grains/particles.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/base/aligned_array.h"
+
+static enum status components_resize(double **component, int n, int count)
+{
+    for (int c = 0; c < n; c++)
+        TRY(array_resize(&component[c], sizeof(double), (size_t)count, 0));
+    return STATUS_OK;
+}
+
+static bool frictional(const struct particles *p)
+{
+    return p->n_rotations > 0;
+}
+
+int particles_padding(const struct particles *p)
+{
+    return p->n_padded - 1;
+}
+
+int particles_spare_padding(const struct particles *p, int k)
+{
+    return particles_padding(p) - k * ARRAY_PADDING;
+}
+
+static int paddings(const struct particles *p)
+{
+    return p->count < PARTICLES_LARGE_SAMPLE ? 1 : PARTICLES_PADDINGS;
+}
+
+static enum status rests_init(struct particles *p)
+{
+    for (int c = 0; p->single && c < p->dimension; c++) {
+        TRY(array_resize(&p->u_rest[c], sizeof(float), (size_t)p->count, 0));
+        TRY(array_resize(&p->v_rest[c], sizeof(float), (size_t)p->count, 0));
+    }
+    for (int c = 0; p->single && c < p->n_rotations; c++)
+        TRY(array_resize(&p->omega_rest[c], sizeof(float), (size_t)p->count, 0));
+    return STATUS_OK;
+}
+
+static enum status records_init(struct particles *p)
+{
+    const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->single);
+    const size_t real = p->single ? sizeof(float) : sizeof(double);
+    p->n_padded = (p->count + ARRAY_PADDING - 1) / ARRAY_PADDING * ARRAY_PADDING + paddings(p) * ARRAY_PADDING;
+    TRY(array_resize(&p->record, stride * sizeof(double), (size_t)p->n_padded, 0));
+    TRY(array_resize(&p->force, 1, particles_force_size(p), 0));
+    for (int c = 0; p->single && c < p->dimension; c++)
+        TRY(array_resize(&p->view_u[c], sizeof(int32_t), (size_t)p->n_padded, 0));
+    for (int c = 0; c < p->dimension; c++)
+        TRY(array_resize(&p->view_v[c], real, (size_t)p->n_padded, 0));
+    for (int c = 0; c < p->n_rotations; c++)
+        TRY(array_resize(&p->view_omega[c], real, (size_t)p->n_padded, 0));
+    TRY(rests_init(p));
+    for (int k = 0; !p->single && k < ARRAY_PADDING; k++) /* no two behind the last particle at one place */
+        p->x[0][p->count + k] = p->x_list[0][p->count + k] = -1e6 * (k + 1);
+    for (int k = 0; !p->single && k < paddings(p); k++)
+        ((double *)p->record)[(size_t)particles_spare_padding(p, k) * stride] = 1e9; /* its first coordinate [m] */
+    TRY(array_resize(&p->view_inv_mass, real, (size_t)p->count, 0));
+    TRY(array_resize(&p->view_minus_lever, real, (size_t)p->count, 0));
+    TRY(array_resize(&p->view_radius, real, (size_t)p->count, 0));
+    particles_set_views(p, 0);
+    return STATUS_OK;
+}
+
+enum status particles_init(struct particles *p, int count, int dimension, bool rotations, bool single)
+{
+    memset(p, 0, sizeof *p);
+    p->count = count;
+    p->dimension = dimension;
+    p->n_rotations = !rotations ? 0 : dimension == 2 ? 1 : 3;
+    TRY(array_resize(&p->id, sizeof *p->id, (size_t)count, 0));
+    TRY(array_resize(&p->slot, sizeof *p->slot, (size_t)count, 0));
+    for (int i = 0; i < count; i++)
+        p->id[i] = p->slot[i] = i;
+    p->single = single;
+    TRY(components_resize(p->x, dimension, count));
+    TRY(components_resize(p->v, dimension, count));
+    TRY(components_resize(p->a, dimension, count));
+    TRY(components_resize(p->x_list, dimension, count));
+    TRY(components_resize(p->omega, p->n_rotations, count));
+    TRY(components_resize(p->alpha, p->n_rotations, count));
+    TRY(components_resize(&p->radius, 1, count));
+    TRY(components_resize(&p->mass, 1, count));
+    TRY(components_resize(&p->inv_mass, 1, count));
+    if (rotations)
+        TRY(components_resize(&p->inv_inertia, 1, count));
+    return records_init(p);
+}
+
+size_t particles_force_size(const struct particles *p)
+{
+    size_t columns = (size_t)(p->dimension + p->n_rotations) * (p->single ? sizeof(float) : sizeof(double));
+    return PARTICLES_COLUMNS_OFFSET(p->n_padded, p->dimension, frictional(p), p->single) +
+           columns * (size_t)p->n_padded;
+}
+
+void particles_free(struct particles *p)
+{
+    for (int c = 0; c < 3; c++) {
+        free(p->x[c]);
+        free(p->v[c]);
+        free(p->a[c]);
+        free(p->omega[c]);
+        free(p->alpha[c]);
+        free(p->x_list[c]);
+        free(p->view_u[c]);
+        free(p->view_v[c]);
+        free(p->view_omega[c]);
+        free(p->u_rest[c]);
+        free(p->v_rest[c]);
+        free(p->omega_rest[c]);
+    }
+    free(p->id);
+    free(p->slot);
+    free(p->view_inv_mass);
+    free(p->view_minus_lever);
+    free(p->view_radius);
+    free(p->record);
+    free(p->force);
+    free(p->radius);
+    free(p->mass);
+    free(p->inv_mass);
+    free(p->inv_inertia);
+    memset(p, 0, sizeof *p);
+}
+
+static void view(const struct particles *p, void *array, int i, double value)
+{
+    if (p->single)
+        ((float *)array)[i] = (float)value;
+    else
+        ((double *)array)[i] = value;
+}
+
+void particles_set_views(struct particles *p, double skin)
+{
+    int exponent = 0;
+    (void)frexp(skin > 0 ? skin : 1, &exponent);
+    p->quantum = ldexp(1, exponent - 29);
+    for (int i = 0; i < p->count; i++) {
+        view(p, p->view_inv_mass, i, p->inv_mass[i]);
+        view(p, p->view_radius, i, p->radius[i]);
+        if (p->n_rotations)
+            view(p, p->view_minus_lever, i, -p->radius[i] * p->inv_inertia[i]);
+    }
+}
+
+/* Single: the records and views say that every particle is where it was listed. */
+static void set_home(struct particles *p)
+{
+    const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), true);
+    const size_t bytes = (size_t)p->dimension * sizeof(int32_t);
+    for (int c = 0; p->single && c < p->dimension; c++) {
+        memset(p->view_u[c], 0, (size_t)p->count * sizeof(int32_t));
+        memset(p->u_rest[c], 0, (size_t)p->count * sizeof(float));
+    }
+    for (int i = 0; p->single && i < p->count; i++)
+        memset((double *)p->record + (size_t)i * stride, 0, bytes);
+}
+
+void particles_mark_listed(struct particles *p, double skin)
+{
+    for (int c = 0; c < p->dimension; c++)
+        memcpy(p->x_list[c], p->x[c], (size_t)p->count * sizeof(double));
+    particles_set_views(p, skin);
+    set_home(p);
+}
+
+/* The nearest float, and what it leaves. */
+static void split(const double *values, int count, float *nearest, float *rest)
+{
+    for (int i = 0; i < count; i++) {
+        nearest[i] = (float)values[i];
+        rest[i] = (float)(values[i] - (double)nearest[i]);
+    }
+}
+
+void particles_import_state(struct particles *p)
+{
+    for (int c = 0; p->single && c < p->dimension; c++) {
+        split(p->v[c], p->count, p->view_v[c], p->v_rest[c]);
+        for (int i = 0; i < p->count; i++) {
+            double u = (p->x[c][i] - p->x_list[c][i]) / p->quantum, whole = nearbyint(u);
+            p->view_u[c][i] = (int32_t)whole;
+            p->u_rest[c][i] = (float)(u - whole);
+        }
+    }
+    for (int c = 0; p->single && c < p->n_rotations; c++)
+        split(p->omega[c], p->count, p->view_omega[c], p->omega_rest[c]);
+}
+
+void particles_export_positions(struct particles *p)
+{
+    for (int c = 0; p->single && c < p->dimension; c++)
+        for (int i = 0; i < p->count; i++)
+            p->x[c][i] = p->x_list[c][i] + p->quantum * ((double)p->view_u[c][i] + (double)p->u_rest[c][i]);
+}
+
+double particles_moved2_m2(const struct particles *p, int i)
+{
+    double moved2 = 0;
+    for (int c = 0; c < p->dimension; c++) {
+        double moved = p->single ? p->quantum * p->view_u[c][i] : p->x[c][i] - p->x_list[c][i];
+        moved2 += moved * moved;
+    }
+    return moved2;
+}
+
+void particles_set_inverse(struct particles *p)
+{
+    for (int i = 0; i < p->count; i++) {
+        double a = p->radius[i];
+        p->inv_mass[i] = 1 / p->mass[i];
+        if (p->n_rotations)
+            p->inv_inertia[i] = 1 / (0.4 * p->mass[i] * a * a);
+    }
+}
+
+void particles_set_mass(struct particles *p, double density_kg_per_m3)
+{
+    const double pi = 3.14159265358979323846;
+    for (int i = 0; i < p->count; i++) {
+        double a = p->radius[i];
+        p->mass[i] = 4.0 / 3.0 * pi * density_kg_per_m3 * a * a * a;
+    }
+    particles_set_inverse(p);
+}
+
+double particles_solid_volume(const struct particles *p)
+{
+    const double pi = 3.14159265358979323846;
+    double volume = 0;
+    for (int i = 0; i < p->count; i++)
+        volume += p->dimension == 2 ? pi * p->radius[i] * p->radius[i] : 4.0 / 3.0 * pi * pow(p->radius[i], 3);
+    return volume;
+}

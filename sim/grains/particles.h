@@ -1,0 +1,103 @@
+/* The particles as a structure of arrays. Components in the order of the scene's axes: 2D x, z; 3D x, y, z. */
+#ifndef SHAKEDOWN_SIM_GRAINS_PARTICLES_H
+#define SHAKEDOWN_SIM_GRAINS_PARTICLES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "common/scene.h"
+#include "common/status.h"
+
+struct particles {
+    int count;
+    int from;         /* first that drift and kick treat; 0 but in a part for a thread (threads.c) */
+    int dimension;    /* components of x, v, a, force */
+    int n_rotations;  /* components of omega: 0 without friction, 1 in 2D (about x cross z), 3 in 3D */
+    int32_t *id;      /* [count] name of the particle in each slot; all else here is by slot (locality_order.h) */
+    int32_t *slot;    /* [count] and the slot of each id */
+    double *x[3];     /* [count] m; what is state goes into renumber.c too; single: as of particles_export_positions */
+    double *v[3];     /* m/s; between drift and kick that at the middle of the step (single: out of date then) */
+    double *a[3];     /* m/s^2, when the step is complete */
+    double *omega[3]; /* rad/s; like v */
+    double *alpha[3]; /* rad/s^2 */
+    double *radius;   /* m */
+    double *mass;     /* kg */
+    double *inv_mass;
+    double *inv_inertia; /* 1/(2/5 m a^2); only with rotations */
+    double *x_list[3];   /* positions at the last rebuild of the lists */
+    bool single;         /* contacts in float (mixed precision) */
+    int n_padded;        /* of records and sums: whole vectors, and the padding particles behind them */
+    void *record;        /* [n_padded][RECORD_STRIDE] what contacts need, side by side; made by drift */
+    void *force;         /* sums of contact forces [N] and of moments n x f_t [N]: below; rows are zeroed by kick */
+    double quantum;      /* single: the unit of u [m] */
+    /* Single, what the steps go on with: position x_list + quantum (u + u_rest), velocity v* + v_rest and rotation
+     * omega* + omega_rest of the middle of the last step, with u and the predicted v* and omega* of the views: */
+    float *u_rest[3], *v_rest[3], *omega_rest[3]; /* [count] quanta, m/s, rad/s */
+    /* As the contacts have them, double or float: */
+    void *view_v[3]; /* [n_padded] predicted velocities, made by drift */
+    void *view_omega[3];
+    int32_t *view_u[3];                                   /* [n_padded] single: u; made by drift */
+    void *view_inv_mass, *view_minus_lever, *view_radius; /* [count] minus_lever: -a/I */
+};
+
+/* Records, in doubles. 2D: [x0 x1 v0 v1], with friction [omega - - -]; 3D: [x0 x1 x2 -][v0 v1 v2 -], with friction
+ * [omega0 omega1 omega2 -] and a block of air. Single, in integers u (position: x_list + u quantum) and floats: 2D
+ * [u0 u1 v0 v1]; 3D [u0 u1 u2 v0 v1 v2 omega0 omega1].
+ * Sums, double or float: first a row for each particle, 2D [f0 f1], with friction [f0 f1 moment -]; 3D [f0 f1 f2 -],
+ * with friction [moment0 moment1 moment2 -]. Behind the rows a column of n_padded for each component of force and
+ * moment, for sums over particles side by side, which the kernel of the pairs starts anew. Torque = -a moment. */
+#define RECORD_STRIDE(dimension, frictional, single)                                                                   \
+    ((single) ? ((dimension) == 2 ? 2 : 4) : (dimension) == 2 ? ((frictional) ? 8 : 4) : ((frictional) ? 16 : 8))
+#define SUMS_BYTES(dimension, frictional, single)                                                                      \
+    ((int)((dimension) == 2 ? ((frictional) ? 4 : 2) : ((frictional) ? 8 : 4)) * ((single) ? 4 : 8))
+#define FORCE_MOMENT(dimension) ((dimension) == 2 ? 2 : 4)
+/* Where the columns start, in bytes. */
+#define PARTICLES_COLUMNS_OFFSET(rows, dimension, frictional, single)                                                  \
+    ((size_t)(rows)*SUMS_BYTES(dimension, frictional, single))
+
+/* Samples from here on are large: they are cut for threads (threads.h). */
+enum { PARTICLES_LARGE_SAMPLE = 10000, PARTICLES_PADDINGS = 32 };
+
+/* Index of the padding particle, far from everything, that fills up sets of contacts. Large samples have
+ * PARTICLES_PADDINGS of them, the k-th the k-th, and no two in one line of memory. */
+int particles_padding(const struct particles *particles);
+int particles_spare_padding(const struct particles *particles, int k);
+
+/* Allocates `count` zeroed particles. Errors: STATUS_NO_MEMORY. */
+enum status particles_init(struct particles *particles, int count, int dimension, bool rotations, bool single) MUST_USE;
+void particles_free(struct particles *particles);
+
+/* Size of particles->force [B]. */
+size_t particles_force_size(const struct particles *particles);
+
+/* Mass of a sphere [LH, D], also in 2D, and the moment of inertia (2/5) m a^2, from radius and density. */
+void particles_set_mass(struct particles *particles, double density_kg_per_m3);
+
+/* The lists are built for the positions as they are: x_list, and the quantum, so that u has room for 4 skins. The
+ * records say so too. */
+void particles_mark_listed(struct particles *particles, double skin_m);
+
+/* Single: steps go on from x, v and omega as they are in double; or x is brought up to date with the steps. Else
+ * nothing. */
+void particles_import_state(struct particles *particles);
+void particles_export_positions(struct particles *particles);
+
+/* Square of how far particle i is from where the lists were built [m^2]. */
+double particles_moved2_m2(const struct particles *particles, int i);
+
+/* Single: the quantum for lists of this skin, and radii in float. */
+void particles_set_views(struct particles *particles, double skin_m);
+
+/* Inverse masses and moments of inertia from masses and radii. */
+void particles_set_inverse(struct particles *particles);
+
+/* Volume of all particles [m^3]; in 2D the area of the discs [m^2]. */
+double particles_solid_volume(const struct particles *particles);
+
+/* Radii, positions without overlap and starting velocities as the scene says; box_lo/box_hi [dimension] become the
+ * starting box. Errors: STATUS_LIMIT when a random start finds no room. */
+enum status initial_packing_make(struct particles *particles, const struct scene *scene, double *box_lo_m,
+                                 double *box_hi_m) MUST_USE;
+
+#endif

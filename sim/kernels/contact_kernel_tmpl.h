@@ -1,0 +1,569 @@
+/* Pairs and walls: from the particles' records to forces and their sums; parameters as of contact_law_tmpl.h. */
+
+/* Records of LANES particles: position, velocity, rotation. Single: positions are those of the lists plus so many
+ * quanta, integers in a float's place. */
+struct NAME(other) {
+    real x[DIM], v[DIM], omega[3];
+};
+
+LANES_INLINE struct NAME(other) NAME(other)(const struct particles *p, const uint32_t *row)
+{
+    struct NAME(other) to = {0};
+    real block[8];
+#if SINGLE
+#if DIM == 2
+    f32_gather4(p->record, row, block);
+#else
+    f32_gather8(p->record, row, block);
+#endif
+    for (int c = 0; c < DIM; c++) {
+        to.x[c] = block[c];
+        to.v[c] = block[DIM + c];
+    }
+#if FRICTIONAL && DIM == 2
+    to.omega[0] = f32_gather((const float *)p->view_omega[0], row, RECORD_STRIDE(2, 1, 1));
+#elif FRICTIONAL
+    to.omega[0] = block[6];
+    to.omega[1] = block[7];
+    to.omega[2] = f32_gather((const float *)p->view_omega[2], row, RECORD_STRIDE(3, 1, 1));
+#endif
+#else
+    const double *record = p->record;
+    f64_gather4(record, row, block);
+#if DIM == 2
+    for (int c = 0; c < 2; c++) {
+        to.x[c] = block[c];
+        to.v[c] = block[2 + c];
+    }
+#else
+    f64_gather4(record + 4, row, block + 4);
+    for (int c = 0; c < 3; c++) {
+        to.x[c] = block[c];
+        to.v[c] = block[4 + c];
+    }
+#endif
+#if FRICTIONAL
+    f64_gather4(record + 4 * (DIM - 1), row, block);
+    for (int c = 0; c < SPRINGS; c++)
+        to.omega[c] = block[c];
+#endif
+#endif
+    return to;
+}
+
+/* LANES particles that stand side by side, or in two halves if that is more than a half has. */
+struct NAME(seats) {
+    size_t first, second; /* the first of each half */
+    bool together;        /* a constant */
+};
+
+LANES_INLINE real NAME(load_at)(const void *array, const struct NAME(seats) * at)
+{
+    const scalar *values = array;
+#if DIM == 2 && LANES > 8
+    if (!at->together)
+        return REAL(load_halves)(values + at->first, values + at->second);
+#endif
+    return real_load(values + at->first);
+}
+
+/* Takes x from the sums. */
+LANES_INLINE void NAME(subtract_at)(scalar *sums, const struct NAME(seats) * at, real x)
+{
+#if DIM == 2 && LANES > 8
+    if (!at->together) {
+        REAL(subtract_halves)(sums + at->first, sums + at->second, x);
+        return;
+    }
+#endif
+    real_store(sums + at->first, real_load(sums + at->first) - x);
+}
+
+LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, const struct NAME(seats) * at)
+{
+    struct NAME(other) to = {0};
+    for (int c = 0; c < DIM; c++) {
+        to.x[c] = NAME(load_at)(SINGLE ? (const void *)p->view_u[c] : p->x[c], at);
+        to.v[c] = NAME(load_at)(p->view_v[c], at);
+    }
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++)
+        to.omega[c] = NAME(load_at)(p->view_omega[c], at);
+#endif
+    return to;
+}
+
+/* What a range of sets is done with; `kind` of the functions below, a constant, is that of all of them. */
+struct NAME(range) {
+    const struct particles *p;
+    struct contact_slots slots;
+    struct NAME(law) law;
+    scalar unit;
+    size_t first, last; /* sets */
+    void *force;
+    scalar *own; /* column of force 0, n_padded from one to the next */
+};
+
+/* The particles i of a set from its slot l on. */
+LANES_INLINE struct NAME(seats) NAME(seats)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l)
+{
+    const uint32_t *first = r->slots.first + 2 * set;
+    if (kind != PAIRS_HALVES)
+        return (struct NAME(seats)){.first = first[0] + l, .together = true};
+    if (DIM == 2 && LANES > HALF_WIDTH)
+        return (struct NAME(seats)){.first = first[0], .second = first[1]};
+    return (struct NAME(seats)){.first = first[l / HALF_WIDTH] + l % HALF_WIDTH, .together = true};
+}
+
+/* First part of LANES pairs of a set, from its slot l on: what the law wants to know of them but for the root of the
+ * distance, for which the reach is in the place of `inverse` and, single, reach^2 - d^2 in that of delta. */
+LANES_INLINE struct NAME(meeting)
+    NAME(approach)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l)
+{
+    const struct particles *p = r->p;
+    const struct contact_slots *slots = &r->slots;
+    struct NAME(meeting) at;
+    const size_t k = set * SET_WIDTH + l;
+    const struct NAME(seats) seats = NAME(seats)(r, kind, set, l),
+                             behind = {.first = seats.first + 1, .together = true};
+    at.inverse = real_load((const scalar *)slots->reach + k);
+    const struct NAME(other) i = NAME(beside)(p, &seats),
+                             j = kind == PAIRS_NEXT ? NAME(beside)(p, &behind) : NAME(other)(p, slots->partner + k);
+#if SINGLE
+    /* d = D + u_i - u_j in quanta, D at the last build; reach^2 - d^2 = (reach^2 - D^2) - (d + D)(d - D), of which
+     * nothing is a difference of large numbers */
+    real gap = real_load(slots->gap + k);
+    for (int c = 0; c < DIM; c++) {
+        real built = real_load(slots->built[c] + k), moved = f32_of_difference(i.x[c], j.x[c]);
+        at.d[c] = built + moved;
+        gap = real_fma(-moved, at.d[c] + built, gap);
+    }
+    at.delta = gap;
+#else
+    for (int c = 0; c < DIM; c++)
+        at.d[c] = i.x[c] - j.x[c];
+    at.delta = real_all(0.0);
+#endif
+    for (int c = 0; c < DIM; c++)
+        at.g[c] = i.v[c] - j.v[c];
+#if FRICTIONAL
+    real a_i = NAME(load_at)(p->view_radius, &seats), a_j = real_fma(real_all(r->unit), at.inverse, -a_i);
+    for (int c = 0; c < SPRINGS; c++) {
+        at.w[c] = real_fma(a_i, i.omega[c], a_j * j.omega[c]);
+#if DIM == 3
+        at.spin[c] = i.omega[c] + j.omega[c];
+#endif
+    }
+#endif
+    return at;
+}
+
+/* The root, and with it `inverse` and delta. */
+LANES_INLINE void NAME(root)(struct NAME(meeting) * at)
+{
+    const real reach = at->inverse;
+#if SINGLE
+    /* delta = (reach^2 - d^2)/(reach + |d|) */
+    const real_mask active = real_greater(at->delta, real_all(0.0));
+    const real d2 = real_fma(reach, reach, -at->delta);
+    real distance = f32_sqrt(d2), sum = reach + distance, both = real_all(1.0) / (distance * sum);
+    at->inverse = real_where(active, both * sum);
+    at->delta = real_where(active, at->delta * (both * distance));
+#else
+    const real d2 = NAME(inner)(at->d, at->d);
+    at->inverse = lanes_rsqrt(d2, f64_rsqrt_seed(d2));
+    at->delta = reach - d2 * at->inverse;
+#endif
+}
+
+LANES_INLINE struct NAME(memory) NAME(memory_at)(const struct contact_slots *slots, size_t k)
+{
+    struct NAME(memory) memory = {0};
+    (void)slots;
+    (void)k;
+#if HYSTERETIC
+    memory.history = (scalar *)slots->history + k;
+#endif
+#if FRICTIONAL
+    memory.sliding = (scalar *)slots->sliding + k;
+    for (int c = 0; c < SPRINGS; c++) {
+        memory.spring[c] = (scalar *)slots->spring[c] + k;
+        memory.rest[c] = (scalar *)slots->rest[c] + k;
+    }
+#endif
+    return memory;
+}
+
+/* Adds forces and moments to the rows of j, one lane after the other. Padding slots add zeros to the padding particle.
+ */
+LANES_INLINE void NAME(add_rows)(void *force, const uint32_t *row, const struct NAME(contact_result) * result)
+{
+#if DIM == 3 || FRICTIONAL
+    const real zero = real_all(0.0);
+#endif
+#if SINGLE
+    const int unit = SUMS_BYTES(DIM, FRICTIONAL, 1) / RECORD_STRIDE(DIM, FRICTIONAL, 1);
+#define ROW row, unit
+#else
+#define ROW row
+#endif
+#if DIM == 2 && !FRICTIONAL
+    REAL(add2)(force, ROW, result->force);
+#elif DIM == 2
+    real column[4] = {result->force[0], result->force[1], result->moment[0], zero};
+    REAL(add4)(force, ROW, column);
+#elif !FRICTIONAL
+    real column[4] = {result->force[0], result->force[1], result->force[2], zero};
+    REAL(add4)(force, ROW, column);
+#elif SINGLE
+    real column[8] = {result->force[0],  result->force[1],  result->force[2],  zero,
+                      result->moment[0], result->moment[1], result->moment[2], zero};
+    f32_add8(force, ROW, column);
+#else
+    real column[4] = {result->force[0], result->force[1], result->force[2], zero};
+    real moment[4] = {result->moment[0], result->moment[1], result->moment[2], zero};
+    f64_add4(force, row, column);
+    f64_add4((double *)force + FORCE_MOMENT(3), row, moment);
+#endif
+#undef ROW
+}
+
+/* Last part: sums of the particles j, and of i, which are side by side. If j are the particles behind i, the sums start
+ * here, with the forces on i, and on j those of the lane before; `before`: result of the vector before. */
+LANES_INLINE void NAME(add_pair)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l,
+                                 const struct NAME(contact_result) * result, struct NAME(contact_result) * before)
+{
+    const int rows = r->p->n_padded;
+    const struct NAME(seats) seats = NAME(seats)(r, kind, set, l);
+    const bool next = kind == PAIRS_NEXT;
+    scalar *to = r->own;
+    if (!next)
+        NAME(add_rows)(r->force, r->slots.partner + set * SET_WIDTH + l, result);
+    for (int c = 0; c < DIM; c++, to += rows)
+        if (next)
+            real_store(to + seats.first, REAL(shifted)(before->force[c], result->force[c]) - result->force[c]);
+        else
+            NAME(subtract_at)(to, &seats, result->force[c]);
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++, to += rows)
+        if (next)
+            real_store(to + seats.first, REAL(shifted)(before->moment[c], result->moment[c]) + result->moment[c]);
+        else
+            NAME(subtract_at)(to, &seats, -result->moment[c]);
+#endif
+    if (next)
+        *before = *result;
+}
+
+LANES_INLINE struct NAME(contact_result) NAME(no_result)(void)
+{
+    struct NAME(contact_result) none;
+    for (int c = 0; c < DIM; c++)
+        none.force[c] = real_all(0.0);
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++)
+        none.moment[c] = real_all(0.0);
+#endif
+    return none;
+}
+
+/* The sets of contacts are independent but for the sums, and each is one long chain of operations; many of a chain's
+ * kind run at a time. So a chunk of sets goes through each part before the next part begins, with what is in between in
+ * the nearest cache. */
+struct NAME(chunk) {
+    union {
+        struct NAME(meeting) at;
+        struct NAME(touch) touch;
+        struct NAME(contact_result) result;
+    } set[CHUNK]; /* each part takes the place of the one before */
+};
+
+/* Both halves of the law for n sets from slot k on. Roots apart pay in the narrower of the vectors, whose chains are as
+ * long. */
+LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) * law,
+                             const struct contact_slots *slots, size_t k, int n, struct NAME(sums) * sums)
+{
+    enum { APART = F64_LANES == 4 };
+    for (int m = 0; m < n; m++) {
+        struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
+        const struct NAME(meeting) at = chunk->set[m].at;
+        struct NAME(touch) touch = NAME(touch)(law, &at, &memory, sums);
+#if FRICTIONAL
+        if (!APART)
+            NAME(keep)(&touch, &memory);
+#endif
+        chunk->set[m].touch = touch;
+    }
+#if FRICTIONAL
+    for (int m = 0; m < n && APART; m++) {
+        struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
+        NAME(keep)(&chunk->set[m].touch, &memory);
+    }
+#endif
+    for (int m = 0; m < n; m++) {
+        struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
+        const struct NAME(touch) touch = chunk->set[m].touch;
+        chunk->set[m].result = NAME(force)(law, &touch, &memory, sums);
+    }
+}
+
+/* Sets from slot k on that fit in a chunk, up to `end`. */
+LANES_INLINE int NAME(chunk_size)(size_t k, size_t end)
+{
+    return end - k < CHUNK * LANES ? (int)((end - k) / LANES) : CHUNK;
+}
+
+/* Large samples: records and sums of the particles j are asked for a chunk ahead, which no prefetcher sees coming. */
+LANES_INLINE void NAME(ask)(const struct particles *p, const void *force, const uint32_t *row)
+{
+    enum { RECORD = 8 * RECORD_STRIDE(DIM, FRICTIONAL, SINGLE), SUMS = SUMS_BYTES(DIM, FRICTIONAL, SINGLE) };
+    for (int l = 0; l < LANES; l++) {
+        const char *record = (const char *)p->record + 8 * (size_t)row[l];
+        __builtin_prefetch(record);
+        if (RECORD > 64)
+            __builtin_prefetch(record + 64);
+        __builtin_prefetch((const char *)force + (size_t)row[l] * SUMS / (RECORD / 8), 1);
+    }
+}
+
+#if DIM == 2 && !FRICTIONAL
+/* Few values are on their way here, and so registers hold them: vector k + 2 is approached, roots are drawn for vector
+ * k + 1, the law is that of vector k, and vector k - 1 (in double, which fills registers sooner, k itself) is added up;
+ * nothing, before the first one. */
+struct NAME(under_way) {
+    struct NAME(meeting) near, next;
+    struct NAME(contact_result) done, before;
+    size_t done_set, done_l;
+};
+
+/* Slots in the order in which their rows are added up, which wider vectors do two at once (lanes_reference.h). */
+LANES_INLINE size_t NAME(in_turn)(enum pair_kind kind, size_t l)
+{
+    if (LANES > 1 || !SINGLE || kind == PAIRS_NEXT)
+        return l;
+    return l / HALF_WIDTH * HALF_WIDTH + l % HALF_WIDTH / 2 + l % 2 * (HALF_WIDTH / 2);
+}
+
+LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t turn,
+                              struct NAME(under_way) * way, struct NAME(sums) * sums)
+{
+    const size_t l = NAME(in_turn)(kind, turn), ahead = turn + 2 * LANES, set_ahead = set + ahead / SET_WIDTH;
+    struct NAME(memory) memory = NAME(memory_at)(&r->slots, set * SET_WIDTH + l);
+    struct NAME(meeting) at = way->next;
+    way->next = way->near;
+    NAME(root)(&way->next);
+    if (set_ahead < r->last)
+        way->near = NAME(approach)(r, kind, set_ahead, NAME(in_turn)(kind, ahead % SET_WIDTH));
+    struct NAME(touch) touch = NAME(touch)(&r->law, &at, &memory, sums);
+    struct NAME(contact_result) result = NAME(force)(&r->law, &touch, &memory, sums);
+    if (SINGLE)
+        NAME(add_pair)(r, kind, way->done_set, way->done_l, &way->done, &way->before);
+    else
+        NAME(add_pair)(r, kind, set, l, &result, &way->before);
+    way->done = result;
+    way->done_set = set;
+    way->done_l = l;
+}
+
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind kind, bool large,
+                                   struct NAME(sums) * sums, struct NAME(totals) * totals)
+{
+    enum { TOGETHER = CLOSE_EVERY / SET_WIDTH };
+    const bool one = LANES == SET_WIDTH && r->first + 1 == r->last; /* there is no second vector */
+    struct NAME(under_way) way = {.done_set = r->first};
+    way.done = way.before = NAME(no_result)();
+    way.next = NAME(approach)(r, kind, r->first, 0);
+    way.near = NAME(approach)(r, kind, r->first + (LANES == SET_WIDTH && !one), NAME(in_turn)(kind, LANES % SET_WIDTH));
+    NAME(root)(&way.next);
+    for (size_t from = r->first, to; from < r->last; from = to) {
+        to = from + TOGETHER < r->last ? from + TOGETHER : r->last;
+        for (size_t set = from; set < to; set++) {
+            for (size_t l = 0; large && kind != PAIRS_NEXT && l < SET_WIDTH && set + ASK_AHEAD < r->last; l += LANES)
+                NAME(ask)(r->p, r->force, r->slots.partner + (set + ASK_AHEAD) * SET_WIDTH + l);
+            for (size_t l = 0; l < SET_WIDTH; l += LANES)
+                NAME(go_on)(r, kind, set, l, &way, sums);
+        }
+        if (SINGLE)
+            NAME(sums_close)(sums, totals);
+    }
+    if (SINGLE)
+        NAME(add_pair)(r, kind, way.done_set, way.done_l, &way.done, &way.before);
+}
+#else
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind kind, bool large,
+                                   struct NAME(sums) * sums, struct NAME(totals) * totals)
+{
+    struct NAME(chunk) chunk;
+    struct NAME(contact_result) before = NAME(no_result)();
+    const size_t start = r->first * SET_WIDTH, end = r->last * SET_WIDTH;
+    for (size_t k = start; k < end; k += CHUNK * LANES) {
+        const size_t second = k + CHUNK * LANES;
+        const int n = NAME(chunk_size)(k, end);
+        for (size_t ahead = second; large && kind != PAIRS_NEXT && ahead < end && ahead < second + CHUNK * LANES;
+             ahead += LANES)
+            NAME(ask)(r->p, r->force, r->slots.partner + ahead);
+        for (int m = 0; m < n; m++) {
+            const size_t at = k + (size_t)m * LANES;
+            chunk.set[m].at = NAME(approach)(r, kind, at / SET_WIDTH, at % SET_WIDTH);
+            NAME(root)(&chunk.set[m].at);
+        }
+        NAME(laws)(&chunk, &r->law, &r->slots, k, n, sums);
+        for (int m = 0; m < n; m++) {
+            const size_t at = k + (size_t)m * LANES;
+            NAME(add_pair)(r, kind, at / SET_WIDTH, at % SET_WIDTH, &chunk.set[m].result, &before);
+        }
+        if (SINGLE && (k - start) % CLOSE_EVERY == 0)
+            NAME(sums_close)(sums, totals);
+    }
+}
+#endif
+
+/* The sums of a span's blocks start from nothing, where no pairs of neighbours in the order start them. */
+static void NAME(start_sums)(const struct NAME(range) * r, const struct contact_span *span)
+{
+    const size_t count = (size_t)(span->last - span->first);
+    for (int c = 0; c < DIM + FRICTIONAL * SPRINGS; c++)
+        memset(r->own + (size_t)c * (size_t)r->p->n_padded + (size_t)span->first, 0, count * sizeof(scalar));
+}
+
+/* Sets first ... last - 1 of one kind. */
+LANES_INLINE void NAME(go_through_sets)(struct NAME(range) * r, enum pair_kind kind, int first, int last, bool large,
+                                        struct NAME(sums) * sums, struct NAME(totals) * totals)
+{
+    r->first = (size_t)first;
+    r->last = (size_t)last;
+    if (first < last)
+        NAME(go_through)(r, kind, large, sums, totals);
+}
+
+/* Narrow vectors have no need to tell whole sets from others; in 3D all are whole. */
+LANES_INLINE void NAME(go_through_span)(struct NAME(range) * r, const struct contact_span *span, bool large,
+                                        struct NAME(sums) * sums, struct NAME(totals) * totals)
+{
+    if (span->next == span->whole)
+        NAME(start_sums)(r, span);
+    NAME(go_through_sets)(r, PAIRS_NEXT, span->next, span->whole, large, sums, totals);
+    if (DIM == 2 && LANES <= HALF_WIDTH) {
+        NAME(go_through_sets)(r, PAIRS_HALVES, span->whole, span->end, large, sums, totals);
+        return;
+    }
+    NAME(go_through_sets)(r, PAIRS_WHOLE, span->whole, span->halves, large, sums, totals);
+    if (DIM == 2)
+        NAME(go_through_sets)(r, PAIRS_HALVES, span->halves, span->end, large, sums, totals);
+}
+
+static void NAME(pair)(const struct particles *p, struct contact_list *pairs, int first, int last,
+                       const struct contact_law_constants *constants, void *force, struct contact_losses *losses)
+{
+    void *own = (char *)force + PARTICLES_COLUMNS_OFFSET(p->n_padded, DIM, FRICTIONAL, SINGLE);
+    struct NAME(range) range = {.p = p,
+                                .slots = pairs->slots,
+                                .law = NAME(law_of)(constants, pairs->slots.unit),
+                                .unit = (scalar)pairs->slots.unit,
+                                .force = force,
+                                .own = own};
+    const bool large = p->count >= PARTICLES_LARGE_SAMPLE;
+    struct NAME(sums) sums = {0};
+    struct NAME(totals) totals = {0};
+    for (int s = first; s < last; s++)
+        if (large)
+            NAME(go_through_span)(&range, &pairs->slots.span[s], true, &sums, &totals);
+        else
+            NAME(go_through_span)(&range, &pairs->slots.span[s], false, &sums, &totals);
+    NAME(sums_close)(&sums, &totals);
+    NAME(totals_add)(&totals, constants, pairs->slots.unit, losses);
+}
+
+/* How far the wall has moved in quanta; further than lists reach is as far as it goes. */
+LANES_INLINE int32_t NAME(wall_moved)(const struct particles *p, const struct wall *wall)
+{
+    const double most = 1 << 30, moved = (wall->x - wall->x_list) / p->quantum;
+    return (int32_t)nearbyint(moved > most ? most : moved < -most ? -most : moved);
+}
+
+/* Overlap of LANES particles with a wall. */
+LANES_INLINE real NAME(overlap)(const struct particles *p, const struct wall *wall, size_t k, real x)
+{
+#if SINGLE
+    real moved = f32_of_difference(x, f32_all_integers(NAME(wall_moved)(p, wall)));
+    return real_fma(real_all(-wall->inward), moved, real_load(wall->contacts.slots.gap + k));
+#else
+    (void)p;
+    return real_load((const scalar *)wall->contacts.slots.reach + k) - real_all(wall->inward) * (x - real_all(wall->x));
+#endif
+}
+
+/* First part against a wall, which has no rotation. */
+LANES_INLINE struct NAME(meeting) NAME(meet_wall)(const struct particles *p, const struct wall *wall, size_t k)
+{
+    const struct contact_slots *slots = &wall->contacts.slots;
+    const struct NAME(other) i = NAME(other)(p, slots->partner + k);
+    struct NAME(meeting) at;
+    real x = i.x[0];
+    for (int c = 0; c < DIM; c++) {
+        at.d[c] = real_all(c == wall->axis ? wall->inward : 0.0);
+        at.g[c] = i.v[c] - real_all(c == wall->axis ? wall->v : 0.0);
+        x = c == wall->axis ? i.x[c] : x;
+    }
+    at.delta = real_larger(NAME(overlap)(p, wall, k, x), real_all(0.0));
+    at.inverse = real_where(real_greater(at.delta, real_all(0.0)), real_all(1.0));
+#if FRICTIONAL
+    const real a_i = real_load((const scalar *)slots->reach + k);
+    for (int c = 0; c < SPRINGS; c++) {
+        at.w[c] = a_i * i.omega[c];
+#if DIM == 3
+        at.spin[c] = i.omega[c];
+#endif
+    }
+#endif
+    return at;
+}
+
+/* Adds the forces of a set to the particles' rows and those of the wall to `columns`, of which there are SET_WIDTH, for
+ * the same bits in every instruction set. */
+LANES_INLINE void NAME(add_wall)(void *force, const struct wall *wall, size_t k, struct NAME(contact_result) result,
+                                 double *columns)
+{
+    for (int c = 0; c < DIM; c++)
+        result.force[c] = -result.force[c];
+    NAME(add_rows)(force, wall->contacts.slots.partner + k, &result);
+    real onto = result.force[0];
+    for (int c = 1; c < DIM; c++)
+        onto = c == wall->axis ? result.force[c] : onto;
+    f64 part[PARTS];
+    REAL(widen)(onto, part);
+    for (int h = 0; h < PARTS; h++) {
+        double *column = columns + k % SET_WIDTH + h * F64_LANES;
+        f64_store(column, f64_load(column) + part[h]);
+    }
+}
+
+/* The same law against one flat wall: delta = a - distance; the wall moves along its normal and does not rotate. */
+static void NAME(wall)(struct particles *p, struct wall *wall, const struct contact_law_constants *constants,
+                       struct contact_losses *losses)
+{
+    const struct contact_slots slots = wall->contacts.slots;
+    const struct NAME(law) law = NAME(law_of)(constants, slots.unit);
+    const size_t end = (size_t)wall->contacts.n_sets * SET_WIDTH;
+    double columns[SET_WIDTH] = {0}, total = 0;
+    struct NAME(sums) sums = {0};
+    struct NAME(totals) totals = {0};
+    struct NAME(chunk) chunk;
+    real touching = real_all(0.0);
+    for (size_t k = 0; k < end; k += CHUNK * LANES) {
+        const int n = NAME(chunk_size)(k, end);
+        for (int m = 0; m < n; m++) {
+            chunk.set[m].at = NAME(meet_wall)(p, wall, k + (size_t)m * LANES);
+            touching = touching + real_where(real_greater(chunk.set[m].at.delta, real_all(0.0)), real_all(1.0));
+        }
+        NAME(laws)(&chunk, &law, &slots, k, n, &sums);
+        for (int m = 0; m < n; m++)
+            NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, chunk.set[m].result, columns);
+    }
+    NAME(sums_close)(&sums, &totals);
+    NAME(totals_add)(&totals, constants, slots.unit, losses);
+    for (int c = 0; c < SET_WIDTH; c++)
+        total += columns[c];
+    wall->force = total * wall->inward;
+    wall->touching = (int)NAME(doubles_sum)(NAME(doubles_of)(touching));
+}

@@ -1,0 +1,333 @@
+/* Drift and kick: what a step does to the particles themselves; and their records for the contacts. Positions and
+ * velocities are summed up in double, or, single, in the integers and floats that contacts have and a rest of each
+ * (particles.h); forces and accelerations are `real`. Parameters as of contact_law_tmpl.h. */
+
+/* Asks for what `pack` will write a few turns from now: lines that are only written are not fetched ahead by
+ * themselves. */
+LANES_INLINE void NAME(pack_ahead)(const struct particles *p, int i)
+{
+    enum { AHEAD = 64, BYTES = RECORD_STRIDE(DIM, FRICTIONAL, SINGLE) * (int)sizeof(double) };
+    const char *record = (const char *)p->record + (size_t)(i + AHEAD) * BYTES;
+    for (int b = 0; b < LANES * BYTES; b += 64)
+        __builtin_prefetch(record + b, 1);
+}
+
+/* Writes views and records of LANES particles from i on, with their positions x (single: u) and predicted velocities.
+ */
+LANES_INLINE void NAME(pack)(struct particles *p, int i, const real *x, const real *v, const real *omega)
+{
+    enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL, SINGLE) };
+    const real zero = real_all(0.0);
+    double *to = (double *)p->record + (size_t)i * STRIDE;
+    (void)omega;
+    (void)zero;
+    for (int c = 0; c < DIM; c++) {
+#if SINGLE
+        real_store((float *)p->view_u[c] + i, x[c]);
+#endif
+        real_store((scalar *)p->view_v[c] + i, v[c]);
+    }
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++)
+        real_store((scalar *)p->view_omega[c] + i, omega[c]);
+#endif
+#if SINGLE && DIM == 2
+    const real record[4] = {x[0], x[1], v[0], v[1]};
+    f32_store4((float *)to, record);
+#elif SINGLE && FRICTIONAL
+    const real record[8] = {x[0], x[1], x[2], v[0], v[1], v[2], omega[0], omega[1]};
+    f32_store8((float *)to, record);
+#elif SINGLE
+    const real record[8] = {x[0], x[1], x[2], v[0], v[1], v[2], zero, zero};
+    f32_store8((float *)to, record);
+#elif DIM == 2
+    const real block[4] = {x[0], x[1], v[0], v[1]};
+    f64_store4(to, STRIDE, block);
+#if FRICTIONAL
+    const real rotation[4] = {omega[0], zero, zero, zero};
+    f64_store4(to + 4, STRIDE, rotation);
+#endif
+#else
+    const real block[4] = {x[0], x[1], x[2], zero}, second[4] = {v[0], v[1], v[2], zero};
+    f64_store4(to, STRIDE, block);
+    f64_store4(to + 4, STRIDE, second);
+#if FRICTIONAL
+    const real rotation[4] = {omega[0], omega[1], omega[2], zero};
+    f64_store4(to + 8, STRIDE, rotation);
+#endif
+#endif
+}
+
+/* Forces and moments of LANES particles: their rows and columns; the rows start anew from zero. */
+LANES_INLINE void NAME(take_sums)(struct particles *p, int i, real *force, real *moment)
+{
+    enum { STRIDE = SUMS_BYTES(DIM, FRICTIONAL, SINGLE) / (int)sizeof(scalar) };
+    scalar *rows = (scalar *)p->force + (size_t)i * STRIDE;
+    scalar *own = (scalar *)((char *)p->force + PARTICLES_COLUMNS_OFFSET(p->n_padded, DIM, FRICTIONAL, SINGLE)) + i;
+    real row[8];
+    (void)moment;
+#if DIM == 2 && !FRICTIONAL
+    REAL(load2)(rows, row);
+#elif SINGLE && DIM == 3 && FRICTIONAL
+    f32_load8(rows, row);
+#elif SINGLE
+    f32_load4(rows, row);
+#else
+    f64_load4(rows, STRIDE, row);
+#if DIM == 3 && FRICTIONAL
+    f64_load4(rows + FORCE_MOMENT(3), STRIDE, row + FORCE_MOMENT(3));
+#endif
+#endif
+    for (int c = 0; c < DIM; c++, own += p->n_padded)
+        force[c] = row[c] + real_load(own);
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++, own += p->n_padded)
+        moment[c] = row[FORCE_MOMENT(DIM) + c] + real_load(own);
+#endif
+    memset(rows, 0, LANES * STRIDE * sizeof *rows);
+}
+
+/* What LANES particles have been pushed with. */
+struct NAME(push) {
+    real a[DIM], alpha[3];
+};
+
+/* Constants of a kick in all lanes, and what it sums: v^2, and a^2 omega^2. */
+struct NAME(kick) {
+    f64 half;
+    real minus_gamma_b, gravity[3], minus_slowing;
+    struct NAME(doubles) v2, spin2;
+};
+
+LANES_INLINE struct NAME(kick) NAME(kick_of)(const struct kick_constants *k)
+{
+    return (struct NAME(kick)){
+        .half = f64_all(0.5 * k->dt),
+        .minus_gamma_b = real_all(-k->gamma_b),
+        .gravity = {real_all(k->gravity[0]), real_all(k->gravity[1]), real_all(k->gravity[2])},
+        .minus_slowing = real_all(-2.5 * k->gamma_br), /* a^2/I = 2.5/m */
+        .v2 = NAME(doubles_of)(real_all(0.0)),
+        .spin2 = NAME(doubles_of)(real_all(0.0)),
+    };
+}
+
+/* What the background takes [W]. */
+LANES_INLINE double NAME(power)(const struct NAME(kick) * kick, const struct kick_constants *k)
+{
+    return k->gamma_b * NAME(doubles_sum)(kick->v2) + k->gamma_br * NAME(doubles_sum)(kick->spin2);
+}
+
+/* Accelerations from forces, background damping and gravity. */
+LANES_INLINE struct NAME(push) NAME(pushed)(struct particles *p, int i, struct NAME(kick) * kick)
+{
+    struct NAME(push) to;
+    real force[DIM], moment[3], inv_mass = real_load((const scalar *)p->view_inv_mass + i), v2 = real_all(0.0);
+    NAME(take_sums)(p, i, force, moment);
+    for (int c = 0; c < DIM; c++) {
+        real v = real_load((const scalar *)p->view_v[c] + i);
+        to.a[c] = real_fma(real_fma(kick->minus_gamma_b, v, force[c]), inv_mass, kick->gravity[c]);
+        v2 = real_fma(v, v, v2);
+    }
+    kick->v2 = NAME(doubles_add)(kick->v2, NAME(doubles_of)(v2));
+#if FRICTIONAL
+    const real minus_lever = real_load((const scalar *)p->view_minus_lever + i);
+    const real minus_slowing = kick->minus_slowing * inv_mass, radius = real_load((const scalar *)p->view_radius + i);
+    real omega2 = real_all(0.0);
+    for (int c = 0; c < SPRINGS; c++) {
+        real omega = real_load((const scalar *)p->view_omega[c] + i);
+        to.alpha[c] = real_fma(minus_lever, moment[c], minus_slowing * omega);
+        omega2 = real_fma(omega, omega, omega2);
+    }
+    kick->spin2 = NAME(doubles_add)(kick->spin2, NAME(doubles_of)(radius * radius * omega2));
+#endif
+    return to;
+}
+
+/* Constants of a drift in all lanes, and whether all particles so far are near: no further than sqrt(limit2) from where
+ * the lists were built (single: quanta), and not NaN. */
+struct NAME(drift) {
+    real_mask near;
+    real half, limit2;
+#if SINGLE
+    real push;                /* from the middle of the step before to that of the one to come */
+    real quanta, quanta_rest; /* dt, in quanta per m/s; and what rounding left out */
+#else
+    f64 dt, before_half;
+#endif
+};
+
+LANES_INLINE struct NAME(drift) NAME(drift_of)(const struct particles *p, double dt_s, double before_s, double reach_m)
+{
+    const real zero = real_all(0.0);
+    const double reach = SINGLE ? reach_m / p->quantum : reach_m;
+    struct NAME(drift) to = {.near = real_at_least(zero, zero), .half = real_all(0.5 * dt_s)};
+    to.limit2 = real_all(reach * reach);
+#if SINGLE
+    const double quanta = dt_s / p->quantum;
+    to.push = real_all(0.5 * (before_s + dt_s));
+    to.quanta = real_all(quanta);
+    to.quanta_rest = real_all(quanta - (double)(float)quanta);
+#else
+    to.dt = f64_all(dt_s);
+    to.before_half = f64_all(0.5 * before_s);
+#endif
+    return to;
+}
+
+#if SINGLE
+/* One component of velocity or rotation, from the middle of one step to that of the next; returns the predicted one,
+ * and what that of the middle is more in *rest_of. Sums of what is small go first, so that little is lost. */
+LANES_INLINE real NAME(speed)(const struct NAME(drift) * drift, const float *view, float *rest, real a, real *rest_of)
+{
+    const real before = real_load(view), more = real_fma(drift->push, a, real_load(rest));
+    const real after = before + real_fma(drift->half, a, more);
+    *rest_of = (before - after) + more;
+    real_store(rest, *rest_of);
+    return after;
+}
+
+/* One component of the position, in whole quanta, which it returns, and the rest. */
+LANES_INLINE real NAME(place)(const struct NAME(drift) * drift, const int32_t *u, float *rest, real v, real v_rest)
+{
+    const real small = real_fma(drift->quanta, v_rest, real_fma(drift->quanta_rest, v, real_load(rest)));
+    const real whole = f32_round(real_fma(drift->quanta, v, small));
+    real_store(rest, real_fma(drift->quanta, v, -whole) + small);
+    return f32_sum_of_integers(real_load((const float *)u), f32_to_integers(whole));
+}
+#else
+/* One component of velocity or rotation, from the middle of one step, or settled, to the middle of the next. */
+LANES_INLINE real NAME(speed)(const struct NAME(drift) * drift, double *v, real a, bool settled)
+{
+    real now = real_load(v);
+    if (!settled)
+        now = real_fma(drift->before_half, a, now);
+    now = real_fma(drift->half, a, now);
+    real_store(v, now);
+    return now;
+}
+#endif
+
+/* Drift: velocities at the middle of the step to come, positions and predicted velocities at its end. `settled`: the
+ * velocities of p are those of now, not of the middle of the step before. */
+LANES_INLINE void NAME(drifted)(struct particles *p, int i, struct NAME(drift) * drift, const struct NAME(push) * push,
+                                bool settled)
+{
+    real place[DIM], v[DIM], omega[3], moved2 = real_all(0.0);
+    (void)settled;
+    for (int c = 0; c < DIM; c++) {
+#if SINGLE
+        real rest;
+        v[c] = NAME(speed)(drift, (const float *)p->view_v[c] + i, p->v_rest[c] + i, push->a[c], &rest);
+        place[c] = NAME(place)(drift, p->view_u[c] + i, p->u_rest[c] + i, v[c], rest);
+        real moved = f32_of_integers(place[c]);
+#else
+        v[c] = NAME(speed)(drift, p->v[c] + i, push->a[c], settled);
+        place[c] = f64_fma(drift->dt, v[c], f64_load(p->x[c] + i));
+        f64_store(p->x[c] + i, place[c]);
+        real moved = place[c] - f64_load(p->x_list[c] + i);
+        v[c] = f64_fma(drift->half, push->a[c], v[c]);
+#endif
+        moved2 = real_fma(moved, moved, moved2);
+    }
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++) {
+#if SINGLE
+        real rest;
+        omega[c] = NAME(speed)(drift, (const float *)p->view_omega[c] + i, p->omega_rest[c] + i, push->alpha[c], &rest);
+#else
+        omega[c] = f64_fma(drift->half, push->alpha[c], NAME(speed)(drift, p->omega[c] + i, push->alpha[c], settled));
+#endif
+    }
+#endif
+    drift->near = real_and(drift->near, real_at_least(drift->limit2, moved2));
+    NAME(pack_ahead)(p, i);
+    NAME(pack)(p, i, place, v, omega);
+}
+
+/* What stands behind the last particle, up to a whole block, does not fall: its places are in no list. */
+static void NAME(hold_padding)(struct particles *p, const struct kick_constants *k)
+{
+    const size_t count = (size_t)p->count, rest = (size_t)(-p->count & (SET_WIDTH - 1));
+    if (k->gravity[0] == 0 && k->gravity[1] == 0 && k->gravity[2] == 0)
+        return;
+    for (int c = 0; c < DIM; c++) {
+#if SINGLE
+        memset(p->view_u[c] + count, 0, rest * sizeof(int32_t));
+        memset(p->u_rest[c] + count, 0, rest * sizeof(float));
+        memset(p->v_rest[c] + count, 0, rest * sizeof(float));
+#else
+        memcpy(p->x[c] + count, p->x_list[c] + count, rest * sizeof(double));
+#endif
+        memset(p->v[c] + count, 0, rest * sizeof(double));
+        memset(p->a[c] + count, 0, rest * sizeof(double));
+        memset((scalar *)p->view_v[c] + count, 0, rest * sizeof(scalar));
+    }
+}
+
+/* The loops here go over a copy of the particles' pointers, which no store can change. */
+static bool NAME(drift)(struct particles *p, double dt_s, double before_s, double reach_m)
+{
+    struct particles of = *p;
+    struct NAME(drift) drift = NAME(drift_of)(p, dt_s, before_s, reach_m);
+    for (int i = of.from; i < of.count; i += LANES) {
+        struct NAME(push) push;
+        for (int c = 0; c < DIM; c++)
+            push.a[c] = REAL(narrow)(NAME(doubles_load)(of.a[c] + i).part);
+#if FRICTIONAL
+        for (int c = 0; c < SPRINGS; c++)
+            push.alpha[c] = REAL(narrow)(NAME(doubles_load)(of.alpha[c] + i).part);
+#endif
+        NAME(drifted)(&of, i, &drift, &push, true);
+    }
+    return !REAL(mask_all)(drift.near);
+}
+
+/* One component of velocity or rotation at the end of a step. */
+LANES_INLINE void NAME(settle)(const struct NAME(kick) * kick, int i, const void *view, const float *rest, real a,
+                               double *acceleration, double *velocity)
+{
+    struct NAME(doubles) more = NAME(doubles_of)(a), middle;
+#if SINGLE
+    middle =
+        NAME(doubles_add)(NAME(doubles_of)(real_load((const float *)view + i)), NAME(doubles_of)(real_load(rest + i)));
+#else
+    (void)view;
+    (void)rest;
+    middle = NAME(doubles_load)(velocity + i);
+#endif
+    NAME(doubles_store)(velocity + i, NAME(doubles_fma)(kick->half, more, middle));
+    NAME(doubles_store)(acceleration + i, more);
+}
+
+static double NAME(kick)(struct particles *p, const struct kick_constants *constants)
+{
+    struct particles of = *p;
+    struct NAME(kick) kick = NAME(kick_of)(constants);
+    for (int i = of.from; i < of.count; i += LANES) {
+        struct NAME(push) push = NAME(pushed)(&of, i, &kick);
+        for (int c = 0; c < DIM; c++)
+            NAME(settle)(&kick, i, of.view_v[c], of.v_rest[c], push.a[c], of.a[c], of.v[c]);
+#if FRICTIONAL
+        for (int c = 0; c < SPRINGS; c++)
+            NAME(settle)(&kick, i, of.view_omega[c], of.omega_rest[c], push.alpha[c], of.alpha[c], of.omega[c]);
+#endif
+    }
+    NAME(hold_padding)(&of, constants);
+    return NAME(power)(&kick, constants);
+}
+
+/* Both in one pass: the kick of a step and the drift of the next. */
+static bool NAME(advance)(struct particles *p, const struct kick_constants *constants, double dt_s, double reach_m,
+                          double *background_w)
+{
+    struct particles of = *p;
+    struct NAME(kick) kick = NAME(kick_of)(constants);
+    struct NAME(drift) drift = NAME(drift_of)(p, dt_s, constants->dt, reach_m);
+    for (int i = of.from; i < of.count; i += LANES) {
+        struct NAME(push) push = NAME(pushed)(&of, i, &kick);
+        NAME(drifted)(&of, i, &drift, &push, false);
+    }
+    NAME(hold_padding)(&of, constants);
+    *background_w = NAME(power)(&kick, constants);
+    return !REAL(mask_all)(drift.near);
+}

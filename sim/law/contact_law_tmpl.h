@@ -1,0 +1,399 @@
+/* The law of one set of contacts, written once and compiled for each model, precision and instruction set. The
+ * including file defines
+ * - ISA: part of the names; lanes_<ISA>.h is included before;
+ * - DIM: 2 or 3; HYSTERETIC, FRICTIONAL: 0 or 1;
+ * - SINGLE: 1 for the law in float (docs/theory.md: mixed precision), else 0.
+ * Every contact's arithmetic is the same in every lane and instruction set, so forces and histories are the same bits;
+ * only the sums of the losses differ in their order. There are no branches: open candidates select zeros.
+ *
+ * Tangential law [D eq. 2-4], second order in time: the spring is kept at the middle of the step, xi(k+1/2) =
+ * xi(k-1/2) + v_t(k) dt, and brought to the step's end by xi(k) = xi(k-1/2) + v_t(k) dt/2, with v_t from velocities
+ * predicted for the same time as the positions (no half-step lag). */
+#include "sim/lanes/lanes_real.h"
+
+#undef NAME_
+#undef NAME__
+#undef NAME
+#undef SPRINGS
+#define NAME_(stem, isa, dim, h, f, s)  stem##_##isa##_##dim##_##h##_##f##_##s
+#define NAME__(stem, isa, dim, h, f, s) NAME_(stem, isa, dim, h, f, s)
+#define NAME(stem)                      NAME__(stem, ISA, DIM, HYSTERETIC, FRICTIONAL, SINGLE)
+
+/* Components of the tangential spring, of rotations and of moments. */
+#define SPRINGS (2 * DIM - 3)
+
+/* LANES doubles. */
+struct NAME(doubles) {
+    f64 part[PARTS];
+};
+
+LANES_INLINE struct NAME(doubles) NAME(doubles_load)(const double *from)
+{
+    struct NAME(doubles) to;
+    for (int h = 0; h < PARTS; h++)
+        to.part[h] = f64_load(from + h * F64_LANES);
+    return to;
+}
+
+LANES_INLINE void NAME(doubles_store)(double *to, struct NAME(doubles) from)
+{
+    for (int h = 0; h < PARTS; h++)
+        f64_store(to + h * F64_LANES, from.part[h]);
+}
+
+LANES_INLINE struct NAME(doubles) NAME(doubles_of)(real x)
+{
+    struct NAME(doubles) to;
+    REAL(widen)(x, to.part);
+    return to;
+}
+
+/* factor a + b */
+LANES_INLINE struct NAME(doubles) NAME(doubles_fma)(f64 factor, struct NAME(doubles) a, struct NAME(doubles) b)
+{
+    for (int h = 0; h < PARTS; h++)
+        b.part[h] = f64_fma(factor, a.part[h], b.part[h]);
+    return b;
+}
+
+LANES_INLINE struct NAME(doubles) NAME(doubles_add)(struct NAME(doubles) a, struct NAME(doubles) b)
+{
+    for (int h = 0; h < PARTS; h++)
+        a.part[h] = a.part[h] + b.part[h];
+    return a;
+}
+
+LANES_INLINE double NAME(doubles_sum)(struct NAME(doubles) x)
+{
+    for (int h = 1; h < PARTS; h++)
+        x.part[0] = x.part[0] + x.part[h];
+    return f64_sum(x.part[0]);
+}
+
+struct NAME(law) {
+    scalar k2, kc, gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt, k2_minus_k1, branch_ratio;
+    scalar lever; /* gamma_t - kt dt/2 */
+};
+
+/* unit: that of overlaps and histories [m] */
+LANES_INLINE struct NAME(law) NAME(law_of)(const struct contact_law_constants *law, double unit)
+{
+    return (struct NAME(law)){.k2 = (scalar)(law->k2 * unit),
+                              .kc = (scalar)(law->kc * unit),
+                              .gamma_n = (scalar)law->gamma_n,
+                              .mu_s = (scalar)law->mu_s,
+                              .mu_d = (scalar)law->mu_d,
+                              .kt = (scalar)law->kt,
+                              .inv_kt = (scalar)law->inv_kt,
+                              .gamma_t = (scalar)law->gamma_t,
+                              .dt = (scalar)law->dt,
+                              .k2_minus_k1 = (scalar)(law->k2_minus_k1 * unit),
+                              .branch_ratio = (scalar)law->branch_ratio,
+                              .lever = (scalar)(law->gamma_t - 0.5 * law->kt * law->dt)};
+}
+
+/* What the contacts of a list remember, LANES of them from here on; changed in place. rest: what rounding left out of
+ * the spring, so that slow motion, less than a unit of its last place in a step, is not lost (Kahan's sum); float only.
+ */
+struct NAME(memory) {
+    scalar *history, *spring[3], *rest[3], *sliding; /* sliding: 1 or 0 */
+};
+
+/* What the law wants to know of a set of contacts, with i's side against j's: centres, velocities of the centres, w =
+ * a_i omega_i + a_j omega_j and spin = omega_i + omega_j. */
+struct NAME(meeting) {
+    real d[DIM], g[DIM];
+    real inverse, delta; /* inverse of |d|; overlap, up to 0 if they do not touch; single: then both 0 */
+#if FRICTIONAL
+    real w[SPRINGS];
+#if DIM == 3
+    real spin[3];
+#endif
+#endif
+};
+
+/* The same when all roots are drawn: what is left is to move springs and to find the force. */
+struct NAME(touch) {
+    real n[DIM], pressing; /* force along n on j */
+#if FRICTIONAL
+    real_mask active;
+    real pull[SPRINGS], pull2, power, bound2, kinetic, factor;
+    real moved[SPRINGS]; /* the spring half a step on if nothing slides; single: its change */
+#endif
+};
+
+/* Force on j (reversed: on i), and moment n x f_t, alike for both. */
+struct NAME(contact_result) {
+    real force[DIM];
+#if FRICTIONAL
+    real moment[SPRINGS];
+#endif
+};
+
+/* Sums over contacts, one per lane: of u^2, of the rises and the falls of history^2; of v_t^2, q pull^2, q^2 pull^2 and
+ * q pull.v_t for what the dashpot and sliding take. */
+struct NAME(sums) {
+    real normal, change, rise, vt2, slip, slip2, power;
+};
+
+/* What they have come to, so that sums in float stay short. */
+struct NAME(totals) {
+    struct NAME(doubles) normal, change, rise, vt2, slip, slip2, power;
+};
+
+LANES_INLINE real NAME(inner)(const real *a, const real *b)
+{
+    real sum = a[0] * b[0];
+    for (int c = 1; c < DIM; c++)
+        sum = real_fma(a[c], b[c], sum);
+    return sum;
+}
+
+#if FRICTIONAL
+/* a.b, and component c of a x b, for components 0 ... 2 */
+LANES_INLINE real NAME(dot)(const real *a, const real *b)
+{
+    real sum = a[0] * b[0];
+    for (int c = 1; c < SPRINGS; c++)
+        sum = real_fma(a[c], b[c], sum);
+    return sum;
+}
+
+#if DIM == 3
+LANES_INLINE real NAME(cross)(const real *a, const real *b, int c)
+{
+    int d = (c + 1) % 3, e = (c + 2) % 3;
+    return real_fma(a[d], b[e], -a[e] * b[d]);
+}
+
+/* The spring brought into the tangent plane of today [D] and turned with the pair's mean spin about n by the angle
+ * `twist`: what is added to `more`. In double the length is kept as well: what that is more, the square of the turn in
+ * a step, is far below a float's rounding. */
+LANES_INLINE void NAME(turn)(const real *n, real twist, const real *spring, const real *more, real *moved)
+{
+    real along = NAME(dot)(spring, n), part[3];
+#if SINGLE
+    real twist_n[3];
+    for (int c = 0; c < 3; c++)
+        twist_n[c] = twist * n[c];
+    for (int c = 0; c < 3; c++) {
+        int d = (c + 1) % 3, f = (c + 2) % 3;
+        part[c] = real_fma(-along, n[c], more[c]);
+        moved[c] = real_fma(twist_n[d], spring[f], real_fma(-twist_n[f], spring[d], part[c]));
+    }
+#else
+    real turned[3];
+    for (int c = 0; c < 3; c++)
+        part[c] = real_fma(-along, n[c], spring[c]);
+    for (int c = 0; c < 3; c++)
+        turned[c] = real_fma(twist, NAME(cross)(n, part, c), part[c]);
+    /* sqrt(1 + e) by its series: e is the square of the turn in a step, so that e^4 is below rounding; bounded for
+     * springs that stood almost along n */
+    real turned2 = NAME(dot)(turned, turned);
+    real e = real_smaller(NAME(dot)(spring, spring) / turned2, real_all(1.5)) - real_all(1.0);
+    real root = real_fma(e, real_fma(e, real_fma(e, real_all(0.0625), real_all(-0.125)), real_all(0.5)), real_all(1.0));
+    real scale = real_select(real_greater(turned2, real_all(0.0)), root, real_all(0.0));
+    for (int c = 0; c < 3; c++)
+        moved[c] = real_fma(turned[c], scale, more[c]);
+#endif
+}
+#endif
+
+/* Factor to bring a force of square `square` > 0 down to `to`. */
+LANES_INLINE real NAME(ratio)(real to, real square)
+{
+#if SINGLE
+    return to / f32_sqrt(square);
+#else
+    return to * lanes_rsqrt(square, f64_rsqrt_seed(square));
+#endif
+}
+
+/* Test force [D] of contacts that friction holds up to `limit`. pull = kt xi + gamma_t v_t is the test force reversed;
+ * a sliding contact keeps `factor` of it. Contacts that are open slide without resistance, so that they lose what their
+ * springs hold. */
+LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(meeting) * at, real u, real limit,
+                             const struct NAME(memory) * memory, struct NAME(touch) * touch, struct NAME(sums) * sums)
+{
+    const real zero = real_all(0.0), dt = real_all(law->dt), *n = touch->n, *g = at->g, *w = at->w;
+    real spring[SPRINGS], vt[SPRINGS];
+    for (int c = 0; c < SPRINGS; c++)
+        spring[c] = real_load(memory->spring[c]);
+    (void)spring;
+#if DIM == 2
+    /* tangent (-n1, n0); the spring is a number along it, so a rotating pair carries it along by itself */
+    (void)u;
+    vt[0] = real_where(touch->active, real_fma(g[1], n[0], real_fma(-g[0], n[1], -w[0])));
+    touch->moved[0] = real_fma(dt, vt[0], real_load(SINGLE ? memory->rest[0] : memory->spring[0]));
+#else
+    real more[3];
+    for (int c = 0; c < 3; c++) { /* g + n x w - u n */
+        int d = (c + 1) % 3, e = (c + 2) % 3;
+        vt[c] = real_fma(n[d], w[e], real_fma(-n[e], w[d], real_fma(-u, n[c], g[c])));
+        vt[c] = real_where(touch->active, vt[c]);
+#if SINGLE
+        more[c] = real_fma(dt, vt[c], real_load(memory->rest[c]));
+#else
+        more[c] = dt * vt[c];
+#endif
+    }
+    NAME(turn)(n, real_all(0.5) * dt * NAME(dot)(at->spin, n), spring, more, touch->moved);
+#endif
+    for (int c = 0; c < SPRINGS; c++) {
+        real middle = touch->moved[c];
+#if SINGLE
+        middle = spring[c] + middle;
+#endif
+        touch->pull[c] = real_fma(real_all(law->kt), middle, real_all(law->lever) * vt[c]);
+        sums->vt2 = real_fma(vt[c], vt[c], sums->vt2);
+    }
+    touch->power = NAME(dot)(touch->pull, vt);
+    touch->pull2 = NAME(dot)(touch->pull, touch->pull);
+    real_mask slid = real_greater(real_load(memory->sliding), zero);
+    real bound = limit * real_select(slid, real_all(law->mu_d), real_all(law->mu_s));
+    touch->bound2 = bound * bound;
+    touch->kinetic = real_all(law->mu_d) * limit;
+}
+
+/* What a contact keeps of its test force. */
+LANES_INLINE void NAME(keep)(struct NAME(touch) * touch, const struct NAME(memory) * memory)
+{
+    const real one = real_all(1.0);
+    real_mask slides = real_greater(touch->pull2, touch->bound2);
+    /* 1e-30 N^2 keeps the root finite */
+    real reduced = NAME(ratio)(touch->kinetic, real_larger(touch->pull2, real_all(1e-30)));
+    touch->factor = real_select(slides, reduced, one);
+    real_store(memory->sliding, real_where(real_and(slides, touch->active), one));
+}
+
+/* Springs, losses and forces of friction. A sliding spring slips by q pull, q = (1 - factor)/kt, so that the law holds
+ * with the spring that is left; q = 0: it sticks. With the mean of the spring over the step the ledger closes in second
+ * order, jumps of the spring included. */
+LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(touch) * touch,
+                             const struct NAME(memory) * memory, struct NAME(contact_result) * result,
+                             struct NAME(sums) * sums)
+{
+    const real *n = touch->n;
+    real q = (real_all(1.0) - touch->factor) * real_all(law->inv_kt), slip = q * touch->pull2, pull[SPRINGS];
+    sums->slip = sums->slip + slip;
+    sums->slip2 = real_fma(q, slip, sums->slip2);
+    sums->power = real_fma(q, touch->power, sums->power);
+    for (int c = 0; c < SPRINGS; c++) {
+        real after = real_fma(-q, touch->pull[c], touch->moved[c]);
+#if SINGLE
+        real spring = real_load(memory->spring[c]), change = after;
+        after = spring + change;
+        real_store(memory->rest[c], real_where(touch->active, change - (after - spring)));
+#endif
+        real_store(memory->spring[c], real_where(touch->active, after));
+        pull[c] = touch->factor * touch->pull[c]; /* the tangential force on j */
+    }
+#if DIM == 2
+    result->force[0] = real_fma(touch->pressing, n[0], -pull[0] * n[1]);
+    result->force[1] = real_fma(touch->pressing, n[1], pull[0] * n[0]);
+    result->moment[0] = -pull[0];
+#else
+    for (int c = 0; c < 3; c++) {
+        result->force[c] = real_fma(touch->pressing, n[c], pull[c]);
+        result->moment[c] = NAME(cross)(pull, n, c);
+    }
+#endif
+}
+#endif
+
+/* First half of the law for one set of contacts. Open ones have the overlap 0, for which the law gives no force and no
+ * history. */
+LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const struct NAME(meeting) * at,
+                                            const struct NAME(memory) * memory, struct NAME(sums) * sums)
+{
+    struct NAME(touch) touch;
+    const real zero = real_all(0.0), delta = SINGLE ? at->delta : real_larger(at->delta, zero);
+    const real_mask active = real_greater(delta, zero);
+    (void)active;
+    for (int c = 0; c < DIM; c++)
+        touch.n[c] = at->d[c] * at->inverse;
+    real u = NAME(inner)(at->g, touch.n); /* single: open ones have no normal */
+#if !SINGLE
+    u = real_where(active, u);
+#endif
+    sums->normal = real_fma(u, u, sums->normal);
+    real elastic = real_all(law->k2) * delta;
+#if HYSTERETIC
+    /* [LH eq. 1.6]: k2 (delta - delta_0) with k2 delta_0 = (k2 - k1) delta_max, where delta_max grows with delta (the
+     * branch k1 delta) and shrinks with it where the adhesion branch -kc delta would be left */
+    real history = real_load(memory->history);
+    real after = real_larger(delta, real_smaller(history, real_all(law->branch_ratio) * delta));
+    real change = after - history, both = after + history;
+    sums->change = real_fma(change, both, sums->change);
+    sums->rise = real_fma(real_larger(change, zero), both, sums->rise);
+    real_store(memory->history, after);
+    elastic = real_fma(real_all(-law->k2_minus_k1), after, elastic);
+#else
+    (void)memory;
+#endif
+    touch.pressing = real_fma(real_all(law->gamma_n), u, -elastic);
+#if FRICTIONAL
+    /* friction is limited by the normal force above the adhesion branch, never below 0 (docs/theory.md) */
+    real limit = real_larger(zero, real_fma(real_all(law->kc), delta, -touch.pressing));
+    touch.active = active;
+    NAME(test)(law, at, u, limit, memory, &touch, sums);
+#endif
+    return touch;
+}
+
+/* Second half. */
+LANES_INLINE struct NAME(contact_result) NAME(force)(const struct NAME(law) * law, const struct NAME(touch) * touch,
+                                                     const struct NAME(memory) * memory, struct NAME(sums) * sums)
+{
+    struct NAME(contact_result) result;
+#if FRICTIONAL
+    NAME(slip)(law, touch, memory, &result, sums);
+#else
+    for (int c = 0; c < DIM; c++)
+        result.force[c] = touch->pressing * touch->n[c];
+    (void)law;
+    (void)memory;
+    (void)sums;
+#endif
+    return result;
+}
+
+LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
+{
+    *total = NAME(doubles_add)(*total, NAME(doubles_of)(*sum));
+    *sum = real_all(0.0);
+}
+
+/* Adds the sums to the totals; they start anew. */
+LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals) * totals)
+{
+    NAME(close)(&sums->normal, &totals->normal);
+#if HYSTERETIC
+    NAME(close)(&sums->change, &totals->change);
+    NAME(close)(&sums->rise, &totals->rise);
+#endif
+#if FRICTIONAL
+    NAME(close)(&sums->vt2, &totals->vt2);
+    NAME(close)(&sums->slip, &totals->slip);
+    NAME(close)(&sums->slip2, &totals->slip2);
+    NAME(close)(&sums->power, &totals->power);
+#endif
+}
+
+/* Adds the totals as energies [J]. */
+LANES_INLINE void NAME(totals_add)(const struct NAME(totals) * totals, const struct contact_law_constants *law,
+                                   double unit, struct contact_losses *losses)
+{
+    (void)unit;
+    losses->viscous_normal += law->gamma_n * law->dt * NAME(doubles_sum)(totals->normal);
+#if HYSTERETIC
+    const double rise = NAME(doubles_sum)(totals->rise), fall = rise - NAME(doubles_sum)(totals->change);
+    losses->hysteresis += unit * unit * (law->loading_loss * rise + law->adhesion_loss * fall);
+#endif
+#if FRICTIONAL
+    const double power = NAME(doubles_sum)(totals->power);
+    losses->viscous_tangential += law->gamma_t * (law->dt * NAME(doubles_sum)(totals->vt2) - power);
+    losses->friction +=
+        NAME(doubles_sum)(totals->slip) - 0.5 * law->kt * (NAME(doubles_sum)(totals->slip2) + law->dt * power);
+#endif
+}

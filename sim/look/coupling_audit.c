@@ -1,0 +1,229 @@
+#include "sim/look/coupling_audit.h"
+
+#include <limits.h>
+#include <math.h>
+
+#include "sim/look/measure.h"
+#include "sim/sample/sample.h"
+#include "sim/sample/wall_motion.h"
+#include "wallctl/stress.h"
+
+/* The watch looks at windows of intervals. One with a mismatch beyond all energy of the sample is bad, one that loses a
+ * few percent of it leaks; this many in a row are too many. Where the mismatch is a small part of the work it is not
+ * looked at. */
+enum { WINDOW = 16, BAD_WINDOWS = 3, LEAKING_WINDOWS = 32 };
+/* Contacts on a wall over its area in mean diameters: the most that was seen, with a margin. */
+static const double DENSE = 1.5;
+static const double WATCHED_ERROR = 0.01, LEAK = 0.02;
+
+void coupling_audit_set_law(struct sample *sample)
+{
+    const struct particles *p = &sample->particles;
+    double mass = 0, radius = 0;
+    for (int i = 0; i < p->count; i++) {
+        mass += p->mass[i];
+        radius += p->radius[i];
+    }
+    /* a chain of mean particles on springs k2: the stiffest way through the sample */
+    sample->audit.diameter_m = 2 * radius / p->count;
+    sample->audit.sound_m_per_s = sample->audit.diameter_m * sqrt(sample->law.k2 * p->count / mass);
+}
+
+void coupling_audit_stage_start(struct sample *sample)
+{
+    struct coupling_audit *audit = &sample->audit;
+    audit->residual_j = audit->controller_residual_j = 0;
+    audit->error = audit->error_before = 0;
+    audit->window_residual_j = audit->window_error = 0;
+    audit->window_intervals = audit->bad_windows = audit->leaking_windows = 0;
+}
+
+/* Energy between the work of the interval that ended and the controller's idea of it, with the command that follows. */
+static double controller_mismatch_j(const struct sample *sample, const struct wall_command *command, int w)
+{
+    const struct wall_trajectory *path = &sample->trajectory;
+    const struct coupling_audit *audit = &sample->audit;
+    const double dx = sample->walls[w].inward * (audit->x_start[w] - sample->walls[w].x); /* outward */
+    if (path->drive[w] == DRIVE_LOOP && command->drive[w] == DRIVE_LOOP)
+        return fabs(audit->work[w] - 0.5 * (audit->controller_force[w] + command->force_n[w]) * dx);
+    if (path->drive[w] >= DRIVE_IMPEDANCE && command->drive[w] == path->drive[w]) { /* the driving force jumps */
+        double end_n = walls_driving_force_n(path, w, path->n_steps * path->dt);
+        return 0.5 * fabs((command->force_n[w] - end_n) * dx);
+    }
+    return 0;
+}
+
+void coupling_audit_close(struct sample *sample, const struct wall_command *command)
+{
+    struct coupling_audit *audit = &sample->audit;
+    const bool ended = sample->stage_step > 0 && command->stage == sample->stage;
+    for (int w = 0; w < sample->n_walls; w++) {
+        if (ended) {
+            double mismatch_j = controller_mismatch_j(sample, command, w);
+            audit->controller_residual_j += mismatch_j;
+            if (sample->trajectory.drive[w] >= DRIVE_IMPEDANCE) /* both sides have the same two forces */
+                audit->residual_j += mismatch_j;
+        }
+        audit->controller_force[w] = command->force_n[w];
+        audit->force_told[w] = sample->walls[w].force;
+    }
+}
+
+void coupling_audit_open(struct sample *sample)
+{
+    struct coupling_audit *audit = &sample->audit;
+    for (int w = 0; w < sample->n_walls; w++) {
+        audit->force_start[w] = sample->walls[w].force;
+        audit->x_start[w] = sample->walls[w].x;
+        audit->work[w] = 0;
+    }
+}
+
+static char wall_axis_name(const struct sample *sample, int w)
+{
+    return "xyz"[sample_axis(sample, w / 2)];
+}
+
+static const char *wall_end_name(int w)
+{
+    return w % 2 ? "upper" : "lower";
+}
+
+static bool in_loop(const struct sample *sample, int w)
+{
+    return sample->trajectory.drive[w] != DRIVE_PATH;
+}
+
+/* What would hold for wall w, as far as the bounds tell, for the end of a message. */
+static void advice(const struct sample *sample, int w, char *text, size_t size)
+{
+    const struct scene_coupling *coupling = &sample->scene->coupling;
+    const struct scene_axis *axis = &sample->scene->stage[sample->stage].axis[sample_axis(sample, w / 2)];
+    double stiffness[SCENE_WALLS_MAX], damping[SCENE_WALLS_MAX];
+    measure_wall_stiffness(sample, stiffness, damping);
+    struct stress_loop loop = {.mass_kg = axis->mass_kg,
+                               .damping_kg_per_s = axis->damping_kg_per_s,
+                               .stiffness_n_per_m = stiffness[w],
+                               .contact_damping_kg_per_s = damping[w]};
+    /* a wall that has just been thrown off touches nothing: a dense layer of particles is the least to count with */
+    double layer = DENSE;
+    for (int c = 0; c < sample->particles.dimension; c++)
+        layer *= c == w / 2 ? 1 : sample_box_length_m(sample, c) / sample->audit.diameter_m;
+    loop.stiffness_n_per_m = fmax(loop.stiffness_n_per_m, layer * sample->law.k2);
+    loop.contact_damping_kg_per_s = fmax(loop.contact_damping_kg_per_s, layer * sample->law.gamma_n);
+    int n = coupling->interval_steps > INT_MAX ? INT_MAX : (int)coupling->interval_steps;
+    int scheme = coupling->scheme == SCHEME_IMPEDANCE ? SCHEME_HOLD : coupling->scheme;
+    int stable = stress_stable_steps(scheme, &loop, sample->dt, scheme == SCHEME_HOLD ? n : (n + 1) / 2);
+    if (stable < 1 || sample->trajectory.n_steps == 1)
+        snprintf(text, size,
+                 "dt_s = %g s is too long for this wall: shorter steps, more mass or more damping would help",
+                 sample->dt);
+    else
+        snprintf(text, size,
+                 "coupling.interval_steps = %d would hold with %g N/m of contacts on the wall; so would the "
+                 "scheme \"impedance\"",
+                 stable, loop.stiffness_n_per_m);
+}
+
+static enum status unstable(const struct sample *sample, int w, const char *what)
+{
+    char help[256];
+    advice(sample, w, help, sizeof help);
+    return status_fail(
+        STATUS_UNSTABLE,
+        "step %lld (t = %g s): the loop of the %s wall in %c is not stable at an exchange interval of %d "
+        "steps: %s; %s",
+        (long long)sample->step, sample->time_s, wall_end_name(w), wall_axis_name(sample, w),
+        sample->trajectory.n_steps, what, help);
+}
+
+static enum status check_walls(const struct sample *sample)
+{
+    char what[128];
+    for (int w = 0; w < sample->n_walls; w++) {
+        const struct wall *wall = &sample->walls[w];
+        if (!in_loop(sample, w))
+            continue;
+        if (!(fabs(wall->v) <= sample->audit.sound_m_per_s)) {
+            snprintf(what, sizeof what, "it moves at %g m/s, sound in the sample at %g m/s%s", fabs(wall->v),
+                     sample->audit.sound_m_per_s, wall->contacts.count ? "" : ", and touches nothing");
+            return unstable(sample, w, what);
+        }
+        if (!(sample->walls[w | 1].x > sample->walls[w & ~1].x))
+            return unstable(sample, w, "it has passed the one opposite");
+    }
+    return STATUS_OK;
+}
+
+/* The wall with the largest mismatch in the last interval. */
+static int worst_wall(const struct sample *sample, const double *mismatch_j)
+{
+    int worst = 0;
+    for (int w = 1; w < sample->n_walls; w++)
+        if (mismatch_j[w] > mismatch_j[worst])
+            worst = w;
+    return worst;
+}
+
+static double held_energy_j(const struct sample *sample)
+{
+    struct held_energy held = measure_held_energy(sample);
+    return held.kinetic_j + held.elastic_j;
+}
+
+/* A loop that swings beyond what friction and contacts take loses or gains energy at the walls, faster and faster, or
+ * on and on. */
+static enum status watch(struct sample *sample, const double *mismatch_j, double sum_j)
+{
+    struct coupling_audit *audit = &sample->audit;
+    char what[128];
+    audit->window_residual_j += sum_j;
+    audit->window_error += audit->error / WINDOW;
+    if (++audit->window_intervals < WINDOW)
+        return STATUS_OK;
+    const double residual_j = audit->window_residual_j;
+    const double held_j = audit->window_error > WATCHED_ERROR ? held_energy_j(sample) : INFINITY;
+    audit->bad_windows = residual_j <= held_j ? 0 : audit->bad_windows + 1;
+    audit->leaking_windows = residual_j <= LEAK * held_j ? 0 : audit->leaking_windows + 1;
+    audit->window_residual_j = audit->window_error = 0;
+    audit->window_intervals = 0;
+    if (audit->bad_windows < BAD_WINDOWS && audit->leaking_windows < LEAKING_WINDOWS)
+        return STATUS_OK;
+    snprintf(what, sizeof what, "%g J were lost or gained there in the last %d intervals, the sample holds %g J",
+             residual_j, WINDOW, held_j);
+    return unstable(sample, worst_wall(sample, mismatch_j), what);
+}
+
+/* The books of the interval that ends now. */
+static enum status interval_end(struct sample *sample)
+{
+    struct coupling_audit *audit = &sample->audit;
+    double mismatch_j[SCENE_WALLS_MAX] = {0}, sum_j = 0, scale_j = 0;
+    for (int w = 0; w < sample->n_walls; w++) {
+        const struct wall *wall = &sample->walls[w];
+        if (sample->trajectory.drive[w] != DRIVE_LOOP)
+            continue;
+        const double dx = wall->inward * (audit->x_start[w] - wall->x);
+        mismatch_j[w] = fabs(audit->work[w] - 0.5 * (audit->force_start[w] + wall->force) * dx);
+        sum_j += mismatch_j[w];
+        scale_j += 0.5 * (fabs(audit->force_start[w]) + fabs(wall->force)) * fabs(dx);
+    }
+    audit->residual_j += sum_j;
+    audit->error_before = audit->error;
+    audit->error = scale_j > 0 ? sum_j / scale_j : 0;
+    TRY(check_walls(sample));
+    return watch(sample, mismatch_j, sum_j);
+}
+
+enum status coupling_audit_step(struct sample *sample, const double *x_before, const double *force_before)
+{
+    const struct wall_trajectory *path = &sample->trajectory;
+    for (int w = 0; w < sample->n_walls; w++) {
+        const struct wall *wall = &sample->walls[w];
+        /* trapezoidal rule; `inward` points into the box, the force outward */
+        double work = 0.5 * (force_before[w] + wall->force) * wall->inward * (wall->x - x_before[w]);
+        sample->ledger.work_walls += work;
+        sample->audit.work[w] -= work;
+    }
+    return sample->step == path->from_step + path->n_steps ? interval_end(sample) : STATUS_OK;
+}

@@ -1,0 +1,12 @@
+/* `sim --explain`: what a scene models, with which kernel, and what it costs in memory. */
+#ifndef SHAKEDOWN_SIM_LOOK_EXPLAIN_H
+#define SHAKEDOWN_SIM_LOOK_EXPLAIN_H
+
+#include <stdio.h>
+
+#include "common/scene.h"
+
+/* Prints the explanation. Errors: those of sample_create. */
+enum status explain_scene(FILE *out, const struct scene *scene) MUST_USE;
+
+#endif

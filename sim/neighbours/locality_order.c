@@ -1,0 +1,236 @@
+#include "sim/neighbours/locality_order.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/base/aligned_array.h"
+#include "sim/neighbours/neighbour_chains.h"
+
+/* Smaller samples take a few microseconds a step as they are. */
+enum { SMALLEST_SAMPLE = 1000, STEPS_BETWEEN = 4096 };
+
+int64_t locality_order_interval(int64_t scene_steps, int count)
+{
+    return scene_steps >= 0 ? scene_steps : count >= SMALLEST_SAMPLE ? STEPS_BETWEEN : 0;
+}
+
+static enum status no_memory(void)
+{
+    return status_fail(STATUS_NO_MEMORY, "no memory for a new order of the particles");
+}
+
+/* Axes from the shortest side to the longest, so that slabs across the longest are small. */
+static void sort_axes(const double *side, int dimension, int *axis)
+{
+    for (int c = 0; c < dimension; c++)
+        axis[c] = c;
+    for (int c = 1; c < dimension; c++)
+        for (int b = c; b > 0 && side[axis[b]] < side[axis[b - 1]]; b--) {
+            int swap = axis[b];
+            axis[b] = axis[b - 1];
+            axis[b - 1] = swap;
+        }
+}
+
+/* Cell of every particle in a grid of about one particle per cell. Returns the number of cells. */
+static int find_cells(const struct particles *p, int32_t *cell)
+{
+    double lo[3], hi[3], side[3], volume = 1;
+    int axis[3], total = 1;
+    for (int c = 0; c < p->dimension; c++) {
+        cell_list_range(p->x[c], p->count, &lo[c], &hi[c]);
+        side[c] = fmax(hi[c] - lo[c], 1e-300);
+        volume *= side[c];
+    }
+    sort_axes(side, p->dimension, axis);
+    double size = pow(volume / p->count, 1.0 / p->dimension);
+    memset(cell, 0, (size_t)p->count * sizeof *cell);
+    for (int k = p->dimension - 1; k >= 0; k--) {
+        const int c = axis[k], n = (int)fmax(1, fmin(floor(side[c] / size), 4.0 * p->count / total));
+        for (int i = 0; i < p->count; i++) {
+            int at = (int)((p->x[c][i] - lo[c]) * (n / side[c]));
+            cell[i] = cell[i] * n + (at < n ? at : n - 1);
+        }
+        total *= n;
+    }
+    return total;
+}
+
+/* order[new slot] = old slot: counting sort by cell. */
+static enum status spatial_order(const struct particles *p, int32_t *order)
+{
+    int32_t *cell = malloc((size_t)p->count * sizeof *cell), *first = NULL;
+    int total = cell ? find_cells(p, cell) : 0;
+    first = cell ? calloc((size_t)total + 1, sizeof *first) : NULL;
+    for (int i = 0; first && i < p->count; i++)
+        first[cell[i] + 1]++;
+    for (int k = 0; first && k < total; k++)
+        first[k + 1] += first[k];
+    for (int i = 0; first && i < p->count; i++)
+        order[first[cell[i]]++] = i;
+    enum status status = first ? STATUS_OK : no_memory();
+    free(cell);
+    free(first);
+    return status;
+}
+
+/* `count` members of `size` bytes, or nothing if there is no such array. */
+static void permute(void *array, size_t size, int count, const int32_t *order, void *scratch)
+{
+    const unsigned char *from = array;
+    unsigned char *to = scratch;
+    if (!array)
+        return;
+    for (int k = 0; k < count; k++)
+        memcpy(to + size * (size_t)k, from + size * (size_t)order[k], size);
+    memcpy(array, scratch, size * (size_t)count);
+}
+
+/* Single: what steps go on with. */
+static void permute_steps(struct particles *p, const int32_t *order, void *scratch)
+{
+    for (int c = 0; c < 3; c++) {
+        permute(p->view_u[c], sizeof(int32_t), p->count, order, scratch);
+        permute(p->u_rest[c], sizeof(float), p->count, order, scratch);
+        permute(p->view_v[c], sizeof(float), p->count, order, scratch);
+        permute(p->v_rest[c], sizeof(float), p->count, order, scratch);
+        permute(p->view_omega[c], sizeof(float), p->count, order, scratch);
+        permute(p->omega_rest[c], sizeof(float), p->count, order, scratch);
+    }
+}
+
+/* All that a particle carries from step to step. */
+static enum status permute_particles(struct particles *p, const int32_t *order, int32_t *slot_before)
+{
+    double *scratch = malloc((size_t)p->count * sizeof *scratch);
+    if (!scratch)
+        return no_memory();
+    for (int c = 0; c < 3; c++) {
+        permute(p->x[c], sizeof(double), p->count, order, scratch);
+        permute(p->v[c], sizeof(double), p->count, order, scratch);
+        permute(p->a[c], sizeof(double), p->count, order, scratch);
+        permute(p->x_list[c], sizeof(double), p->count, order, scratch);
+        permute(p->omega[c], sizeof(double), p->count, order, scratch);
+        permute(p->alpha[c], sizeof(double), p->count, order, scratch);
+    }
+    permute(p->radius, sizeof(double), p->count, order, scratch);
+    permute(p->mass, sizeof(double), p->count, order, scratch);
+    permute(p->inv_mass, sizeof(double), p->count, order, scratch);
+    permute(p->inv_inertia, sizeof(double), p->count, order, scratch);
+    if (p->single)
+        permute_steps(p, order, scratch);
+    free(scratch);
+    for (int k = 0; k < p->count; k++)
+        slot_before[k] = p->id[order[k]]; /* only lent: the new ids */
+    memcpy(p->id, slot_before, (size_t)p->count * sizeof *p->id);
+    for (int k = 0; k < p->count; k++)
+        slot_before[order[k]] = k;
+    return particles_set_slots(p);
+}
+
+enum status particles_set_slots(struct particles *p)
+{
+    for (int k = 0; k < p->count; k++)
+        p->slot[k] = -1;
+    for (int k = 0; k < p->count; k++) {
+        if (p->id[k] < 0 || p->id[k] >= p->count || p->slot[p->id[k]] >= 0)
+            return status_fail(STATUS_FORMAT, "the ids of the particles are not each there once");
+        p->slot[p->id[k]] = k;
+    }
+    return STATUS_OK;
+}
+
+/* A member of a list under its new numbers, and where its history is. */
+struct moved {
+    int32_t i, j, from;
+    bool swapped;
+};
+
+static int by_numbers(const void *a, const void *b)
+{
+    const struct moved *x = a, *y = b;
+    return x->i != y->i ? (x->i > y->i) - (x->i < y->i) : (x->j > y->j) - (x->j < y->j);
+}
+
+static struct moved move(const struct contact_list *list, int k, const int32_t *slot, int count)
+{
+    int32_t i = slot[list->i[k]], j = list->j[k] < count ? slot[list->j[k]] : list->j[k];
+    return (struct moved){.i = i < j ? i : j, .j = i < j ? j : i, .from = k, .swapped = i > j};
+}
+
+/* One array of the list after the other into the order of `moved`. */
+static void permute_history(double *values, const struct moved *moved, int count, double *scratch)
+{
+    if (!values)
+        return;
+    for (int k = 0; k < count; k++)
+        scratch[k] = values[moved[k].from];
+    memcpy(values, scratch, (size_t)count * sizeof *values);
+}
+
+/* A spring in space points along the force on i: it turns round where i and j change places. In 2D it is a number along
+ * the tangent, which turns round as well. */
+static void turn_springs(struct contact_list *list, const struct moved *moved)
+{
+    for (int c = 0; c < list->n_springs && list->n_springs == 3; c++)
+        for (int k = 0; k < list->count; k++)
+            if (moved[k].swapped) {
+                list->spring[c][k] = -list->spring[c][k];
+                list->rest[c][k] = -list->rest[c][k];
+            }
+}
+
+static enum status locality_order_list(struct contact_list *list, const struct particles *p, const struct wall *wall,
+                                       const int32_t *slot)
+{
+    contact_list_read(list);
+    struct moved *moved = malloc((size_t)(list->count + 1) * sizeof *moved);
+    double *scratch = malloc((size_t)(list->count + 1) * sizeof *scratch);
+    if (!moved || !scratch) {
+        free(moved);
+        free(scratch);
+        return no_memory();
+    }
+    for (int k = 0; k < list->count; k++)
+        moved[k] = move(list, k, slot, p->count);
+    qsort(moved, (size_t)list->count, sizeof *moved, by_numbers);
+    for (int k = 0; k < list->count; k++) {
+        list->i[k] = moved[k].i;
+        list->j[k] = moved[k].j;
+    }
+    permute_history(list->reach, moved, list->count, scratch);
+    permute_history(list->history, moved, list->count, scratch);
+    permute_history(list->sliding, moved, list->count, scratch);
+    for (int c = 0; c < list->n_springs; c++) {
+        permute_history(list->spring[c], moved, list->count, scratch);
+        permute_history(list->rest[c], moved, list->count, scratch);
+    }
+    turn_springs(list, moved);
+    free(moved);
+    free(scratch);
+    return contact_list_close(list, p, wall);
+}
+
+enum status locality_order_apply(struct particles *p, struct contact_list *pairs, struct wall *walls, int n_walls)
+{
+    int32_t *order = malloc((size_t)p->count * sizeof *order), *slot = malloc((size_t)p->count * sizeof *slot);
+    enum status status = order && slot ? spatial_order(p, order) : no_memory();
+    if (status == STATUS_OK)
+        status = neighbour_chains_order(pairs, p->count, order);
+    if (status == STATUS_OK)
+        status = permute_particles(p, order, slot);
+    if (status == STATUS_OK)
+        status = locality_order_list(pairs, p, NULL, slot);
+    for (int w = 0; status == STATUS_OK && w < n_walls; w++)
+        status = locality_order_list(&walls[w].contacts, p, &walls[w], slot);
+    free(order);
+    free(slot);
+    return status;
+}
+
+void particles_gather_by_id(const struct particles *p, const double *values, int first, int count, double *out)
+{
+    for (int k = 0; k < count; k++)
+        out[k] = values[p->slot[first + k]];
+}

@@ -1,0 +1,40 @@
+#include "sim/neighbours/pair_search.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/base/aligned_array.h"
+
+#define DECLARE_SEARCH(name) extern const struct search search_##name;
+KERNEL_ISA_LIST(DECLARE_SEARCH)
+#undef DECLARE_SEARCH
+
+struct search search_select(enum kernel_isa isa)
+{
+    static const struct search *const of_isa[ISA_COUNT] = {
+#define SEARCH(name) &search_##name,
+        KERNEL_ISA_LIST(SEARCH)
+#undef SEARCH
+    };
+    return *of_isa[isa];
+}
+
+enum status pair_buffer_reserve(struct pair_buffer *pairs, int more)
+{
+    if (more <= pairs->capacity - pairs->count)
+        return STATUS_OK;
+    size_t capacity = (size_t)pairs->count + (size_t)pairs->count / 2 + (size_t)more + 256;
+    if (capacity > INT32_MAX / 2)
+        return status_fail(STATUS_LIMIT, "more than %d pairs are near each other", INT32_MAX / 2);
+    TRY(array_resize(&pairs->lo, sizeof(int32_t), capacity, (size_t)pairs->count));
+    TRY(array_resize(&pairs->hi, sizeof(int32_t), capacity, (size_t)pairs->count));
+    pairs->capacity = (int)capacity;
+    return STATUS_OK;
+}
+
+void pair_buffer_free(struct pair_buffer *pairs)
+{
+    free(pairs->lo);
+    free(pairs->hi);
+    memset(pairs, 0, sizeof *pairs);
+}

@@ -1,0 +1,51 @@
+/* Turns the state of the sample into records: run info, particles, samples, frames, end. */
+#ifndef SHAKEDOWN_SIM_RUN_RECORDS_H
+#define SHAKEDOWN_SIM_RUN_RECORDS_H
+
+#include "common/record_stream.h"
+#include "sim/look/measure.h"
+#include "sim/sample/sample.h"
+
+struct records {
+    struct record_stream *stream;
+    int64_t run_id;
+    int32_t n_frames;                          /* frames sent so far */
+    int64_t last_sample_step, last_frame_step; /* -1: none */
+    double residual_ratio;                     /* of the last sample: ledger residual over work of walls and gravity */
+};
+
+void records_init(struct records *records, struct record_stream *stream, int64_t run_id);
+
+/* What a record that goes on holds already. */
+struct records_resumed {
+    int64_t total[RECORD_CHANNELS];
+    int64_t frames, wall_states;
+};
+
+/* The scene with its effective configuration, then what does not change about the particles. resumed NULL: a new run.
+ */
+enum status records_send_start(struct records *records, const struct sample *sample,
+                               const struct records_resumed *resumed) MUST_USE;
+
+/* Has all that was recorded so far brought to disk, as a checkpoint of this state follows. */
+enum status records_send_checkpoint(struct records *records, const struct sample *sample, int64_t wall_states) MUST_USE;
+
+/* The state of the sample now, as `measure` found it. */
+enum status records_send_sample(struct records *records, const struct sample *sample, struct measurement *m) MUST_USE;
+
+/* Particles and contacts now, in chunks. */
+enum status records_send_frame(struct records *records, const struct sample *sample) MUST_USE;
+
+struct run_totals {
+    int64_t wall_states, wall_commands, commands_repeated;
+    double elapsed_s;
+};
+
+/* The last record: why the run ended, and the totals of all channels. */
+enum status records_send_end(struct records *records, const struct sample *sample, enum status why,
+                             const struct run_totals *totals) MUST_USE;
+
+/* "reference 2d hysteretic frictionless": what is computed and how. */
+void records_kernel_set(const struct sample *sample, char *text, size_t size);
+
+#endif
