@@ -35,13 +35,13 @@ typedef void part(struct sample *sample, const struct kernels *kernels);
 static void pair_part(struct sample *s, const struct kernels *kernels)
 {
     struct contact_losses losses = {0};
-    kernels->pair(&s->p, &s->pairs, 0, s->pairs.slots.n_spans, &s->law, s->p.force, &losses);
+    kernels->pair(&s->p, &s->pairs, 0, s->pairs.slots.n_spans, &s->law, 0, s->p.force, &losses);
 }
 
 static void wall_part(struct sample *s, const struct kernels *kernels)
 {
     struct contact_losses losses = {0};
-    kernels->wall(&s->p, &s->wall, &s->law, &losses);
+    kernels->wall(&s->p, &s->wall, &s->law, 0, &losses);
 }
 
 static void drift_part(struct sample *s, const struct kernels *kernels)
@@ -72,7 +72,7 @@ static const struct {
              {"kick", kick_part, PER_PARTICLE},
              {"advance", advance_part, PER_PARTICLE}};
 
-static struct kernels kernels_of(enum kernel_isa isa, struct model model)
+static struct kernels kernels_of(enum instruction_set isa, struct model model)
 {
     return kernels_select(isa, model.dimension, model.hysteretic, model.frictional, model.single);
 }
@@ -213,7 +213,7 @@ static void accelerations(struct sample *s, const struct kernels *kernels, doubl
 }
 
 /* Root of the mean square of the difference from the reference in double, over that of the reference. */
-static enum status error_of(struct model model, enum kernel_isa isa, double *error)
+static enum status error_of(struct model model, enum instruction_set isa, double *error)
 {
     struct model exact = model;
     struct sample s, reference = {0};
@@ -254,16 +254,16 @@ static enum status call_part(void *user)
     return STATUS_OK;
 }
 
-static json_t *row(struct model model, enum kernel_isa isa, const char *kernel, double ns, double instructions,
+static json_t *row(struct model model, enum instruction_set isa, const char *kernel, double ns, double instructions,
                    double error)
 {
-    return json_pack("{s:s, s:i, s:b, s:b, s:s, s:s, s:f, s:f, s:f}", "isa", kernel_isa_name(isa), "dimension",
+    return json_pack("{s:s, s:i, s:b, s:b, s:s, s:s, s:f, s:f, s:f}", "isa", instruction_set_name(isa), "dimension",
                      model.dimension, "hysteretic", model.hysteretic, "frictional", model.frictional, "precision",
                      model.single ? "mixed" : "double", "kernel", kernel, "ns_each", ns, "instructions_each",
                      instructions, "force_error", error);
 }
 
-static enum status measure_parts(struct sample *s, enum kernel_isa isa, double error, json_t *rows)
+static enum status measure_parts(struct sample *s, enum instruction_set isa, double error, json_t *rows)
 {
     struct call call = {.sample = s, .kernels = kernels_of(isa, s->model)};
     const int n[] = {s->pairs.count, s->wall.contacts.count, s->p.count};
@@ -280,13 +280,13 @@ static enum status measure_parts(struct sample *s, enum kernel_isa isa, double e
     return STATUS_OK;
 }
 
-static enum status measure_model(struct model model, enum kernel_isa isa, json_t *rows)
+static enum status measure_model(struct model model, enum instruction_set isa, json_t *rows)
 {
     struct sample s;
     double error = 0;
     TRY(error_of(model, isa, &error));
     enum status status = sample_init(&s, model);
-    printf("%-10s %dD %-10s %-12s %-6s", kernel_isa_name(isa), model.dimension,
+    printf("%-10s %dD %-10s %-12s %-6s", instruction_set_name(isa), model.dimension,
            model.hysteretic ? "hysteretic" : "linear", model.frictional ? "frictional" : "frictionless",
            model.single ? "mixed" : "double");
     if (status == STATUS_OK)
@@ -306,8 +306,8 @@ static enum status measure_all(json_t *rows)
         printf(" %7s", parts[k].name);
     printf(" %9s\n", "error");
     for (int isa = 0; isa < ISA_COUNT; isa++) {
-        if (!kernel_isa_supported(isa)) {
-            printf("*** %s: THIS CPU CANNOT RUN IT, NOT MEASURED ***\n", kernel_isa_name(isa));
+        if (!instruction_set_supported(isa)) {
+            printf("*** %s: THIS CPU CANNOT RUN IT, NOT MEASURED ***\n", instruction_set_name(isa));
             continue;
         }
         for (int m = 0; m < 16; m++)

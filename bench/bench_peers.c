@@ -35,8 +35,8 @@ static void show_cpu(json_t *root)
         fclose(file);
     printf("CPU: %s", model);
     for (int isa = 0; isa < ISA_COUNT; isa++)
-        if (kernel_isa_supported(isa))
-            printf(", %s", kernel_isa_name(isa));
+        if (instruction_set_supported(isa))
+            printf(", %s", instruction_set_name(isa));
     printf("\n");
     json_object_set_new(root, "cpu", json_string(model));
 }

@@ -131,17 +131,15 @@ static enum status steps(struct sample *sample, int n)
 static enum status one_pair(struct sample *sample)
 {
     struct contact_losses losses = {0};
-    sample->law.dt = 0;
-    threads_pair(&sample->threads, &sample->kernels, &sample->particles, &sample->pairs, &sample->law, &losses);
+    threads_pair(&sample->threads, &sample->kernels, &sample->particles, &sample->pairs, &sample->law, 0, &losses);
     return STATUS_OK;
 }
 
 static enum status one_walls(struct sample *sample)
 {
     struct contact_losses losses = {0};
-    sample->law.dt = 0;
     for (int w = 0; w < sample->n_walls; w++)
-        sample->kernels.wall(&sample->particles, &sample->walls[w], &sample->law, &losses);
+        sample->kernels.wall(&sample->particles, &sample->walls[w], &sample->law, 0, &losses);
     return STATUS_OK;
 }
 

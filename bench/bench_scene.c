@@ -85,16 +85,14 @@ static enum status one_step_of_run(void *user)
 /* The parts, each as often as wanted at one state: no time passes (dt = 0), so nothing changes. */
 static struct sample *at_rest(void *user)
 {
-    struct sample *sample = ((struct bench *)user)->sample;
-    sample->law.dt = 0;
-    return sample;
+    return ((struct bench *)user)->sample;
 }
 
 static enum status one_pair(void *user)
 {
     struct sample *sample = at_rest(user);
     struct contact_losses losses = {0};
-    sample->kernels.pair(&sample->particles, &sample->pairs, 0, sample->pairs.slots.n_spans, &sample->law,
+    sample->kernels.pair(&sample->particles, &sample->pairs, 0, sample->pairs.slots.n_spans, &sample->law, 0,
                          sample->particles.force, &losses);
     return STATUS_OK;
 }
@@ -104,7 +102,7 @@ static enum status one_walls(void *user)
     struct sample *sample = at_rest(user);
     struct contact_losses losses = {0};
     for (int w = 0; w < sample->n_walls; w++)
-        sample->kernels.wall(&sample->particles, &sample->walls[w], &sample->law, &losses);
+        sample->kernels.wall(&sample->particles, &sample->walls[w], &sample->law, 0, &losses);
     return STATUS_OK;
 }
 
@@ -151,7 +149,7 @@ static const struct part {
 static void report(struct bench *bench, const struct part *part, const struct timing *t, double step_us)
 {
     const struct sample *sample = bench->sample;
-    const char *precision = sample->pairs.single ? "mixed" : "double", *isa = kernel_isa_name(sample->isa);
+    const char *precision = sample->pairs.single ? "mixed" : "double", *isa = instruction_set_name(sample->isa);
     double n = bench->n[part->per] ? bench->n[part->per] : 1, ns = 1e3 * t->least_us / n;
     printf("%-6s %-9s %-7s %9.2f %9.2f %5.0f %% %9.2f ns per %-12s", precision, isa, part->name, t->least_us,
            t->median_us, 100 * t->least_us / step_us, ns, per_name[part->per]);
@@ -167,7 +165,7 @@ static void report(struct bench *bench, const struct part *part, const struct ti
                                     "instructions_each", t->instructions < 0 ? -1 : t->instructions / n));
 }
 
-static enum status measure_isa(struct bench *bench, enum kernel_isa isa)
+static enum status measure_isa(struct bench *bench, enum instruction_set isa)
 {
     struct sample *sample = bench->sample;
     const int blocks = isa == ISA_reference ? BLOCKS_OF_REFERENCE : BLOCKS;
@@ -220,10 +218,10 @@ static enum status measure_precision(struct bench *bench, int precision)
     if (status == STATUS_OK)
         count(bench);
     for (int isa = 0; status == STATUS_OK && isa < ISA_COUNT; isa++) {
-        if (kernel_isa_supported(isa))
+        if (instruction_set_supported(isa))
             status = measure_isa(bench, isa);
         else
-            printf("*** %s: THIS CPU CANNOT RUN IT, NOT MEASURED ***\n", kernel_isa_name(isa));
+            printf("*** %s: THIS CPU CANNOT RUN IT, NOT MEASURED ***\n", instruction_set_name(isa));
     }
     sample_free(bench->sample);
     return status;

@@ -137,8 +137,8 @@ static enum status tune(const struct timing *timing, struct contestant *c)
 static bool isa_is_supported(const char *name)
 {
     for (int isa = 0; isa < ISA_COUNT; isa++)
-        if (strcmp(kernel_isa_name(isa), name) == 0)
-            return kernel_isa_supported(isa);
+        if (strcmp(instruction_set_name(isa), name) == 0)
+            return instruction_set_supported(isa);
     return false;
 }
 

@@ -91,8 +91,8 @@ static void check_scatter(int dimension, int count, double ratio, double filled,
     sample->verlet.skin = skin * 1e-3 / ratio;
     int pairs = -1;
     for (int isa = 0; isa < ISA_COUNT; isa++) {
-        if (!kernel_isa_supported(isa)) {
-            print_message("kernels %s skipped: this CPU cannot run them\n", kernel_isa_name(isa));
+        if (!instruction_set_supported(isa)) {
+            print_message("kernels %s skipped: this CPU cannot run them\n", instruction_set_name(isa));
             continue;
         }
         sample->verlet.search = search_select(isa);
@@ -207,7 +207,7 @@ static void histories_are_carried_exactly(void **state)
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++)
         for (int isa = 0; isa < ISA_COUNT; isa++) {
-            if (!kernel_isa_supported(isa))
+            if (!instruction_set_supported(isa))
                 continue;
             struct fixture f = scatter(dimension, 300, 3, 1, 5, "");
             struct sample *sample = f.sample;

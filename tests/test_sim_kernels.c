@@ -24,6 +24,7 @@ struct bench {
     struct contact_list pairs;
     struct wall wall;
     struct contact_law_constants law;
+    double dt;
     struct contact_losses losses;
 };
 
@@ -67,9 +68,7 @@ static struct contact_law_constants random_law(struct random *random, struct mod
         .kt_n_per_m = CHOOSE(random, 0, 2e4, 2e4),
         .gamma_t_kg_per_s = CHOOSE(random, 0, 0.05),
     };
-    struct contact_law_constants law = contact_law_constants_of(&m);
-    law.dt = CHOOSE(random, 0, 1e-6, 1e-6);
-    return law;
+    return contact_law_constants_of(&m);
 }
 
 static void random_particles(struct particles *p, int count, struct model model, struct random *random)
@@ -247,6 +246,7 @@ static struct bench bench_of(uint64_t seed, int count, struct model model)
     struct bench b = {0};
     random_init(&random, seed);
     b.law = random_law(&random, model);
+    b.dt = CHOOSE(&random, 0, 1e-6, 1e-6);
     random_particles(&b.p, 2 + one_of(&random, count <= CONTACTS_MAX ? 20 : count), model, &random);
     random_pairs(&b, count, seed % 3 == 0, model, &random);
     random_wall(&b, count, model, &random);
@@ -347,7 +347,7 @@ static struct contact_losses loss_sizes(struct bench *b, struct model model, con
         one.reach[0] = b->pairs.reach[k];
         contact_list_carry(&one, 0, &b->pairs, k);
         must(contact_list_close(&one, &b->p, NULL));
-        kernels->pair(&b->p, &one, 0, one.slots.n_spans, &b->law, b->p.force, &lost);
+        kernels->pair(&b->p, &one, 0, one.slots.n_spans, &b->law, b->dt, b->p.force, &lost);
         sizes.hysteresis += fabs(lost.hysteresis);
         sizes.viscous_normal += fabs(lost.viscous_normal);
         sizes.viscous_tangential += fabs(lost.viscous_tangential);
@@ -369,7 +369,7 @@ static void losses_compare(const struct contact_losses *a, const struct contact_
     assert_close("friction", a->friction, b->friction, allowed * sizes->friction);
 }
 
-static struct kernels kernels_of(enum kernel_isa isa, struct model model)
+static struct kernels kernels_of(enum instruction_set isa, struct model model)
 {
     return kernels_select(isa, model.dimension, model.hysteretic, model.frictional, model.single);
 }
@@ -377,20 +377,20 @@ static struct kernels kernels_of(enum kernel_isa isa, struct model model)
 /* A force evaluation and a step, as in integrate.c. */
 static bool step(struct bench *b, const struct kernels *kernels, bool pairs_only, bool gravity)
 {
-    struct kick_constants kick = {.dt = b->law.dt, .gamma_b = 0.01, .gamma_br = 0.02};
+    struct kick_constants kick = {.dt = b->dt, .gamma_b = 0.01, .gamma_br = 0.02};
     if (gravity)
         kick.gravity[1] = -9.81;
     struct contact_losses of_wall = {0};
     memset(&b->losses, 0, sizeof b->losses);
-    kernels->pair(&b->p, &b->pairs, 0, b->pairs.slots.n_spans, &b->law, b->p.force, &b->losses);
+    kernels->pair(&b->p, &b->pairs, 0, b->pairs.slots.n_spans, &b->law, b->dt, b->p.force, &b->losses);
     if (pairs_only)
         return false;
-    kernels->wall(&b->p, &b->wall, &b->law, &of_wall);
+    kernels->wall(&b->p, &b->wall, &b->law, b->dt, &of_wall);
     (void)kernels->kick(&b->p, &kick);
-    return kernels->drift(&b->p, b->law.dt, b->law.dt, 1e-6);
+    return kernels->drift(&b->p, b->dt, b->dt, 1e-6);
 }
 
-static void compare_once(uint64_t seed, int count, struct model model, enum kernel_isa isa)
+static void compare_once(uint64_t seed, int count, struct model model, enum instruction_set isa)
 {
     struct kernels reference = kernels_of(ISA_reference, model);
     struct kernels tested = kernels_of(isa, model);
@@ -418,12 +418,12 @@ static void compare_once(uint64_t seed, int count, struct model model, enum kern
     bench_free(&c);
 }
 
-static void isa_against_reference(enum kernel_isa isa)
+static void isa_against_reference(enum instruction_set isa)
 {
     enum { SEEDS = 20 };
     static const int chunks[] = {8 * WIDEST - 1, 8 * WIDEST, 8 * WIDEST + 1, 17 * WIDEST}; /* of the pair kernels */
-    if (!kernel_isa_supported(isa)) {
-        print_message("*** %s: THIS CPU CANNOT RUN IT, NOT TESTED ***\n", kernel_isa_name(isa));
+    if (!instruction_set_supported(isa)) {
+        print_message("*** %s: THIS CPU CANNOT RUN IT, NOT TESTED ***\n", instruction_set_name(isa));
         skip();
     }
     for (int m = 0; m < 16; m++) {
@@ -464,8 +464,8 @@ static void mixed_forces_are_those_in_double(void **state)
             a.law.gamma_n = b.law.gamma_n = 0; /* it jumps where contacts begin, which float does not tell to 1e-18 */
             (void)ka.drift(&a.p, 0, 0, INFINITY);
             (void)kb.drift(&b.p, 0, 0, INFINITY);
-            ka.pair(&a.p, &a.pairs, 0, a.pairs.slots.n_spans, &a.law, a.p.force, &a.losses);
-            kb.pair(&b.p, &b.pairs, 0, b.pairs.slots.n_spans, &b.law, b.p.force, &b.losses);
+            ka.pair(&a.p, &a.pairs, 0, a.pairs.slots.n_spans, &a.law, a.dt, a.p.force, &a.losses);
+            kb.pair(&b.p, &b.pairs, 0, b.pairs.slots.n_spans, &b.law, b.dt, b.p.force, &b.losses);
             (void)ka.kick(&a.p, &kick);
             (void)kb.kick(&b.p, &kick);
             for (int k = 0; k < model.dimension * a.p.count; k++)
@@ -494,8 +494,8 @@ static void hysteretic_without_hysteresis_is_linear(void **state)
             b.law = a.law;
             (void)ka.drift(&a.p, 0, 0, INFINITY);
             (void)kb.drift(&b.p, 0, 0, INFINITY);
-            ka.pair(&a.p, &a.pairs, 0, a.pairs.slots.n_spans, &a.law, a.p.force, &a.losses);
-            kb.pair(&b.p, &b.pairs, 0, b.pairs.slots.n_spans, &b.law, b.p.force, &b.losses);
+            ka.pair(&a.p, &a.pairs, 0, a.pairs.slots.n_spans, &a.law, a.dt, a.p.force, &a.losses);
+            kb.pair(&b.p, &b.pairs, 0, b.pairs.slots.n_spans, &b.law, b.dt, b.p.force, &b.losses);
             forces_compare(&a.p, &b.p);
             contact_list_read(&a.pairs);
             contact_list_read(&b.pairs);
@@ -512,7 +512,7 @@ static void advance_is_kick_and_drift(void **state)
 {
     (void)state;
     for (int isa = 0; isa < ISA_COUNT; isa++)
-        for (int m = 0; m < 16 && kernel_isa_supported(isa); m++) {
+        for (int m = 0; m < 16 && instruction_set_supported(isa); m++) {
             struct model model = {2 + m / 8, m / 4 % 2, m / 2 % 2, m % 2};
             struct kernels kernels = kernels_of(isa, model);
             struct bench a = bench_of(7, CONTACTS_MAX, model), b = bench_of(7, CONTACTS_MAX, model);
@@ -520,8 +520,8 @@ static void advance_is_kick_and_drift(void **state)
             double power;
             (void)kernels.drift(&a.p, 0, 0, INFINITY);
             (void)kernels.drift(&b.p, 0, 0, INFINITY);
-            kernels.pair(&a.p, &a.pairs, 0, a.pairs.slots.n_spans, &a.law, a.p.force, &a.losses);
-            kernels.pair(&b.p, &b.pairs, 0, b.pairs.slots.n_spans, &b.law, b.p.force, &b.losses);
+            kernels.pair(&a.p, &a.pairs, 0, a.pairs.slots.n_spans, &a.law, a.dt, a.p.force, &a.losses);
+            kernels.pair(&b.p, &b.pairs, 0, b.pairs.slots.n_spans, &b.law, b.dt, b.p.force, &b.losses);
             bool stale = kernels.advance(&a.p, &kick, 1e-6, 1e-7, &power);
             double expected = kernels.kick(&b.p, &kick);
             same_bits("power", &power, &expected, 1);
@@ -582,17 +582,17 @@ static void mixed_steps_are_those_in_double(void **state)
 /* SHAKEDOWN_ISA chooses, and a wrong name is refused. */
 static void isa_is_chosen_by_name(void **state)
 {
-    enum kernel_isa isa = ISA_COUNT;
+    enum instruction_set isa = ISA_COUNT;
     (void)state;
     assert_int_equal(setenv("SHAKEDOWN_ISA", "reference", 1), 0);
-    must(kernel_isa_select(&isa));
+    must(instruction_set_select(&isa));
     assert_int_equal(isa, ISA_reference);
     assert_int_equal(setenv("SHAKEDOWN_ISA", "mmx", 1), 0);
-    assert_int_equal(kernel_isa_select(&isa), STATUS_USAGE);
+    assert_int_equal(instruction_set_select(&isa), STATUS_USAGE);
     assert_non_null(strstr(status_message(), "mmx"));
     assert_int_equal(unsetenv("SHAKEDOWN_ISA"), 0);
-    must(kernel_isa_select(&isa));
-    assert_true(kernel_isa_supported(isa));
+    must(instruction_set_select(&isa));
+    assert_true(instruction_set_supported(isa));
 }
 
 int main(void)

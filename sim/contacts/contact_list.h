@@ -1,4 +1,4 @@
-/* Contacts: the lists of candidate pairs and wall contacts with their history, and the constants of the law. `n` is the
+/* Contacts: the lists of candidate pairs and wall contacts with their history. `n` is the
  * unit normal from j (or the wall) to i; forces act on i and, reversed, on j. */
 #ifndef SHAKEDOWN_SIM_CONTACTS_CONTACT_LIST_H
 #define SHAKEDOWN_SIM_CONTACTS_CONTACT_LIST_H
@@ -7,25 +7,7 @@
 
 #include "common/scene.h"
 #include "sim/grains/particles.h"
-
-/* One stage's law, ready for the kernels. */
-struct contact_law_constants {
-    double k1, k2, kc; /* N/m; linear law: k1 = k2, kc = 0 */
-    double gamma_n;    /* kg/s */
-    double mu_s, mu_d;
-    double kt, inv_kt;    /* N/m, m/N */
-    double gamma_t;       /* kg/s */
-    double dt;            /* s; 0: forces are evaluated anew and no time passes */
-    double k2_minus_k1;   /* k2 delta_0 = (k2 - k1) delta_max */
-    double branch_ratio;  /* on the adhesion branch delta_max = branch_ratio delta; 0 if k1 = k2 */
-    double loading_loss;  /* hysteresis loss per increase of delta_max^2: k1 (1 - k1/k2) / 2 */
-    double adhesion_loss; /* and per decrease: kc (1 + kc/k2) ((k2 - k1)/(k2 + kc))^2 / 2 */
-};
-
-/* Energy lost in contacts since the start of the stage [J]. */
-struct contact_losses {
-    double hysteresis, viscous_normal, viscous_tangential, friction;
-};
+#include "sim/law/contact_law.h"
 
 /* What kernels take at a time: a set, of two halves; and what a range of a list is made of, a span of particles, which
  * is wide in small samples in 2D. */
@@ -94,12 +76,6 @@ struct wall {
     double x_list; /* at the last rebuild of the lists */
     struct contact_list contacts;
 };
-
-/* Constants of a stage; dt is set by the caller at each force evaluation. */
-struct contact_law_constants contact_law_constants_of(const struct scene_material *material);
-
-/* Adds the losses of `lost` to `sum`. */
-void contact_losses_add(struct contact_losses *sum, const struct contact_losses *lost);
 
 /* Brings the members' history up to date with what the kernels did; to be called before it is read. */
 void contact_list_read(struct contact_list *list);

@@ -453,12 +453,13 @@ LANES_INLINE void NAME(go_through_span)(struct NAME(range) * r, const struct con
 }
 
 static void NAME(pair)(const struct particles *p, struct contact_list *pairs, int first, int last,
-                       const struct contact_law_constants *constants, void *force, struct contact_losses *losses)
+                       const struct contact_law_constants *constants, double dt_s, void *force,
+                       struct contact_losses *losses)
 {
     void *own = (char *)force + PARTICLES_COLUMNS_OFFSET(p->n_padded, DIM, FRICTIONAL, SINGLE);
     struct NAME(range) range = {.p = p,
                                 .slots = pairs->slots,
-                                .law = NAME(law_of)(constants, pairs->slots.unit),
+                                .law = NAME(law_of)(constants, dt_s, pairs->slots.unit),
                                 .unit = (scalar)pairs->slots.unit,
                                 .force = force,
                                 .own = own};
@@ -471,7 +472,7 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
         else
             NAME(go_through_span)(&range, &pairs->slots.span[s], false, &sums, &totals);
     NAME(sums_close)(&sums, &totals);
-    NAME(totals_add)(&totals, constants, pairs->slots.unit, losses);
+    NAME(totals_add)(&totals, constants, dt_s, pairs->slots.unit, losses);
 }
 
 /* How far the wall has moved in quanta; further than lists reach is as far as it goes. */
@@ -540,10 +541,10 @@ LANES_INLINE void NAME(add_wall)(void *force, const struct wall *wall, size_t k,
 
 /* The same law against one flat wall: delta = a - distance; the wall moves along its normal and does not rotate. */
 static void NAME(wall)(struct particles *p, struct wall *wall, const struct contact_law_constants *constants,
-                       struct contact_losses *losses)
+                       double dt_s, struct contact_losses *losses)
 {
     const struct contact_slots slots = wall->contacts.slots;
-    const struct NAME(law) law = NAME(law_of)(constants, slots.unit);
+    const struct NAME(law) law = NAME(law_of)(constants, dt_s, slots.unit);
     const size_t end = (size_t)wall->contacts.n_sets * SET_WIDTH;
     double columns[SET_WIDTH] = {0}, total = 0;
     struct NAME(sums) sums = {0};
@@ -561,7 +562,7 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
             NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, chunk.set[m].result, columns);
     }
     NAME(sums_close)(&sums, &totals);
-    NAME(totals_add)(&totals, constants, slots.unit, losses);
+    NAME(totals_add)(&totals, constants, dt_s, slots.unit, losses);
     for (int c = 0; c < SET_WIDTH; c++)
         total += columns[c];
     wall->force = total * wall->inward;

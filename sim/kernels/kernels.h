@@ -4,6 +4,7 @@
 #define SHAKEDOWN_SIM_KERNELS_KERNELS_H
 
 #include "sim/contacts/contact_list.h"
+#include "sim/lanes/instruction_set.h"
 
 struct kick_constants {
     double dt;
@@ -13,14 +14,16 @@ struct kick_constants {
 
 /* Forces and moments of the pairs in spans first ... last - 1 of the list, in `force`: particles->force, or another
  * array of that kind (particles.h). They are added to the rows, and the columns of the spans' particles are set.
- * History, springs and sliding change. Adds the energy lost. */
+ * History, springs and sliding change. Adds the energy lost.
+ * dt_s: 0: forces are evaluated anew and no time passes. */
 typedef void pair_kernel(const struct particles *particles, struct contact_list *pairs, int first, int last,
-                         const struct contact_law_constants *law, void *force, struct contact_losses *losses);
+                         const struct contact_law_constants *law, double dt_s, void *force,
+                         struct contact_losses *losses);
 
 /* The same for the contacts of one wall, added to particles->force; sets the wall's force and how many
  * touch it. */
 typedef void wall_kernel(struct particles *particles, struct wall *wall, const struct contact_law_constants *law,
-                         struct contact_losses *losses);
+                         double dt_s, struct contact_losses *losses);
 
 /* Positions of the next step, velocities of the middle on the way and those predicted for its end; makes views and
  * records. True if a particle is further than reach_m from where the lists were built, or not finite. before_s: the
@@ -43,23 +46,7 @@ struct kernels {
     advance_kernel *advance;
 };
 
-/* Instruction sets, in the order of preference. */
-#define KERNEL_ISA_LIST(X) X(reference) X(avx2) X(avx512)
-enum kernel_isa {
-#define KERNEL_ISA_ENUM(name) ISA_##name,
-    KERNEL_ISA_LIST(KERNEL_ISA_ENUM)
-#undef KERNEL_ISA_ENUM
-        ISA_COUNT
-};
-
-const char *kernel_isa_name(enum kernel_isa isa);
-bool kernel_isa_supported(enum kernel_isa isa);
-
-/* The last of the list that the CPU can run, or what SHAKEDOWN_ISA names. STATUS_USAGE if that is unknown or the CPU
- * cannot run it. */
-enum status kernel_isa_select(enum kernel_isa *isa) MUST_USE;
-
 /* Kernels specialised for a model. dimension 2 or 3; single: contacts in float (mixed precision). */
-struct kernels kernels_select(enum kernel_isa isa, int dimension, bool hysteretic, bool frictional, bool single);
+struct kernels kernels_select(enum instruction_set isa, int dimension, bool hysteretic, bool frictional, bool single);
 
 #endif

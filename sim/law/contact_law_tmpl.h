@@ -76,7 +76,7 @@ struct NAME(law) {
 };
 
 /* unit: that of overlaps and histories [m] */
-LANES_INLINE struct NAME(law) NAME(law_of)(const struct contact_law_constants *law, double unit)
+LANES_INLINE struct NAME(law) NAME(law_of)(const struct contact_law_constants *law, double dt_s, double unit)
 {
     return (struct NAME(law)){.k2 = (scalar)(law->k2 * unit),
                               .kc = (scalar)(law->kc * unit),
@@ -86,10 +86,10 @@ LANES_INLINE struct NAME(law) NAME(law_of)(const struct contact_law_constants *l
                               .kt = (scalar)law->kt,
                               .inv_kt = (scalar)law->inv_kt,
                               .gamma_t = (scalar)law->gamma_t,
-                              .dt = (scalar)law->dt,
+                              .dt = (scalar)dt_s,
                               .k2_minus_k1 = (scalar)(law->k2_minus_k1 * unit),
                               .branch_ratio = (scalar)law->branch_ratio,
-                              .lever = (scalar)(law->gamma_t - 0.5 * law->kt * law->dt)};
+                              .lever = (scalar)(law->gamma_t - 0.5 * law->kt * dt_s)};
 }
 
 /* What the contacts of a list remember, LANES of them from here on; changed in place. rest: what rounding left out of
@@ -382,18 +382,18 @@ LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals)
 
 /* Adds the totals as energies [J]. */
 LANES_INLINE void NAME(totals_add)(const struct NAME(totals) * totals, const struct contact_law_constants *law,
-                                   double unit, struct contact_losses *losses)
+                                   double dt_s, double unit, struct contact_losses *losses)
 {
     (void)unit;
-    losses->viscous_normal += law->gamma_n * law->dt * NAME(doubles_sum)(totals->normal);
+    losses->viscous_normal += law->gamma_n * dt_s * NAME(doubles_sum)(totals->normal);
 #if HYSTERETIC
     const double rise = NAME(doubles_sum)(totals->rise), fall = rise - NAME(doubles_sum)(totals->change);
     losses->hysteresis += unit * unit * (law->loading_loss * rise + law->adhesion_loss * fall);
 #endif
 #if FRICTIONAL
     const double power = NAME(doubles_sum)(totals->power);
-    losses->viscous_tangential += law->gamma_t * (law->dt * NAME(doubles_sum)(totals->vt2) - power);
+    losses->viscous_tangential += law->gamma_t * (dt_s * NAME(doubles_sum)(totals->vt2) - power);
     losses->friction +=
-        NAME(doubles_sum)(totals->slip) - 0.5 * law->kt * (NAME(doubles_sum)(totals->slip2) + law->dt * power);
+        NAME(doubles_sum)(totals->slip) - 0.5 * law->kt * (NAME(doubles_sum)(totals->slip2) + dt_s * power);
 #endif
 }

@@ -6,14 +6,14 @@
 #include "sim/base/aligned_array.h"
 
 #define DECLARE_SEARCH(name) extern const struct search search_##name;
-KERNEL_ISA_LIST(DECLARE_SEARCH)
+INSTRUCTION_SETS(DECLARE_SEARCH)
 #undef DECLARE_SEARCH
 
-struct search search_select(enum kernel_isa isa)
+struct search search_select(enum instruction_set isa)
 {
     static const struct search *const of_isa[ISA_COUNT] = {
 #define SEARCH(name) &search_##name,
-        KERNEL_ISA_LIST(SEARCH)
+        INSTRUCTION_SETS(SEARCH)
 #undef SEARCH
     };
     return *of_isa[isa];

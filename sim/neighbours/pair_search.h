@@ -3,7 +3,7 @@
 #ifndef SHAKEDOWN_SIM_NEIGHBOURS_PAIR_SEARCH_H
 #define SHAKEDOWN_SIM_NEIGHBOURS_PAIR_SEARCH_H
 
-#include "sim/kernels/kernels.h"
+#include "sim/lanes/instruction_set.h"
 #include "sim/neighbours/cell_list.h"
 
 /* Pairs found, lo < hi, in no particular order. */
@@ -40,7 +40,7 @@ struct search {
     add_values *add;
 };
 
-struct search search_select(enum kernel_isa isa);
+struct search search_select(enum instruction_set isa);
 
 /* Room for `more` pairs and a vector beyond. Errors: as above. */
 enum status pair_buffer_reserve(struct pair_buffer *pairs, int more) MUST_USE;

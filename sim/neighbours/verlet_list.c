@@ -32,7 +32,7 @@ static double mean_radius(const struct particles *p)
 }
 
 enum status verlet_list_init(struct verlet_list *nb, const struct particles *p, double skin_ratio, bool hysteretic,
-                             enum kernel_isa isa)
+                             enum instruction_set isa)
 {
     const double first_guess = 0.1;
     memset(nb, 0, sizeof *nb);

@@ -31,7 +31,7 @@ struct verlet_list {
 /* Prepares lists for the model of `particles`. skin_ratio: skin over the mean radius; 0: tuned while running. Errors:
  * STATUS_NO_MEMORY. */
 enum status verlet_list_init(struct verlet_list *verlet, const struct particles *particles, double skin_ratio,
-                             bool hysteretic, enum kernel_isa isa) MUST_USE;
+                             bool hysteretic, enum instruction_set isa) MUST_USE;
 void verlet_list_free(struct verlet_list *verlet);
 
 /* Builds `pairs` and the walls' lists anew for the current positions: every pair closer than the radii and the skin,

@@ -38,7 +38,7 @@ void records_init(struct records *records, struct record_stream *stream, int64_t
 
 void records_kernel_set(const struct sample *sample, char *text, size_t size)
 {
-    snprintf(text, size, "%s %dd %s %s%s", kernel_isa_name(sample->isa), sample->particles.dimension,
+    snprintf(text, size, "%s %dd %s %s%s", instruction_set_name(sample->isa), sample->particles.dimension,
              sample->pairs.hysteretic ? "hysteretic" : "linear",
              sample->pairs.n_springs ? "frictional" : "frictionless", sample->pairs.single ? " mixed" : "");
 }

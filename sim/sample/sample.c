@@ -47,7 +47,7 @@ static enum status model(struct sample *sample, const struct scene *scene)
     sample->n_walls = scene_wall_count(scene);
     for (int c = 0; c < dimension && scene->gravity_m_per_s2.count; c++)
         sample->gravity[c] = scene->gravity_m_per_s2.value[sample_axis(sample, c)];
-    TRY(kernel_isa_select(&sample->isa));
+    TRY(instruction_set_select(&sample->isa));
     sample->kernels = kernels_select(sample->isa, dimension, hysteretic, frictional, single);
     TRY(particles_init(&sample->particles, (int)scene->sample.count, dimension, frictional, single));
     sample->pairs.hysteretic = hysteretic;

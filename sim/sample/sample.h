@@ -43,7 +43,7 @@ struct sample {
     int n_walls;
     struct wall_trajectory trajectory;
     struct coupling_audit audit;
-    enum kernel_isa isa;
+    enum instruction_set isa;
     struct kernels kernels;
     struct contact_law_constants law;
     const struct scene_material *material; /* of the stage */

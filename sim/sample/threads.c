@@ -191,6 +191,7 @@ struct work {
     struct particles *particles;
     struct contact_list *pairs;
     const struct contact_law_constants *law;
+    double dt_s;
     const struct threads_sweep *sweep; /* NULL: pairs alone */
 };
 
@@ -211,7 +212,7 @@ static void go_through_piece(const struct work *work, int k)
     int q = piece->lo / SPAN_WIDTH;
     piece->losses = (struct contact_losses){0};
     for (int s = piece->first_span; s < piece->last_span; s++) {
-        work->kernels->pair(work->particles, work->pairs, s, s + 1, work->law, work->particles->force, &piece->losses);
+        work->kernels->pair(work->particles, work->pairs, s, s + 1, work->law, work->dt_s, work->particles->force, &piece->losses);
         for (; work->sweep && q < end && (part[q].piece != k || part[q].complete <= s); q++)
             if (part[q].piece == k)
                 advance_part(work, q);
@@ -234,11 +235,11 @@ static void go_through_pieces(const struct work *work, struct contact_losses *lo
 }
 
 void threads_pair(struct threads *threads, const struct kernels *kernels, struct particles *p,
-                  struct contact_list *pairs, const struct contact_law_constants *law, struct contact_losses *losses)
+                  struct contact_list *pairs, const struct contact_law_constants *law, double dt_s, struct contact_losses *losses)
 {
-    const struct work work = {threads, kernels, p, pairs, law, NULL};
+    const struct work work = {threads, kernels, p, pairs, law, dt_s, NULL};
     if (threads->n_parts == 1)
-        kernels->pair(p, pairs, 0, pairs->slots.n_spans, law, p->force, losses);
+        kernels->pair(p, pairs, 0, pairs->slots.n_spans, law, dt_s, p->force, losses);
     else
         go_through_pieces(&work, losses);
 }
@@ -294,11 +295,11 @@ bool threads_sweep(struct threads *threads, const struct kernels *kernels, struc
                    struct contact_list *pairs, const struct threads_sweep *sweep, struct contact_losses *losses,
                    double *background_w)
 {
-    const struct work work = {threads, kernels, p, pairs, sweep->law, threads->sweeps ? sweep : NULL},
-                      rest = {threads, kernels, p, pairs, sweep->law, sweep};
+    const struct work work = {threads, kernels, p, pairs, sweep->law, sweep->dt_s, threads->sweeps ? sweep : NULL},
+                      rest = {threads, kernels, p, pairs, sweep->law, sweep->dt_s, sweep};
     bool far = false;
     if (threads->n_parts == 1) {
-        kernels->pair(p, pairs, 0, pairs->slots.n_spans, sweep->law, p->force, losses);
+        kernels->pair(p, pairs, 0, pairs->slots.n_spans, sweep->law, sweep->dt_s, p->force, losses);
         return kernels->advance(p, sweep->kick, sweep->dt_s, sweep->reach_m, background_w);
     }
     go_through_pieces(&work, losses);

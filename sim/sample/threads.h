@@ -40,7 +40,7 @@ void threads_cut(struct threads *threads, const struct particles *particles, str
 
 /* The kernels on all threads: as pair_kernel over the whole list into particles->force, and as those of their names. */
 void threads_pair(struct threads *threads, const struct kernels *kernels, struct particles *particles,
-                  struct contact_list *pairs, const struct contact_law_constants *law, struct contact_losses *losses);
+                  struct contact_list *pairs, const struct contact_law_constants *law, double dt_s, struct contact_losses *losses);
 bool threads_drift(const struct threads *threads, const struct kernels *kernels, struct particles *particles,
                    double dt_s, double before_s, double reach_m);
 double threads_kick(struct threads *threads, const struct kernels *kernels, struct particles *particles,
@@ -50,7 +50,7 @@ double threads_kick(struct threads *threads, const struct kernels *kernels, stru
 struct threads_sweep {
     const struct contact_law_constants *law;
     const struct kick_constants *kick;
-    double dt_s, reach_m; /* of the drift */
+    double dt_s, reach_m; /* of the step that ends and of the drift */
 };
 
 /* Forces between particles, kick and drift of the next step, all at once: the same bits as one after the other. Adds

@@ -16,19 +16,18 @@
 static void wall_forces(struct sample *sample, double dt)
 {
     struct contact_losses lost = {0};
-    sample->law.dt = dt;
     struct contact_law_constants of_walls = sample->law;
     of_walls.mu_s *= sample->material->wall_friction;
     of_walls.mu_d *= sample->material->wall_friction;
     for (int w = 0; w < sample->n_walls; w++)
-        sample->kernels.wall(&sample->particles, &sample->walls[w], &of_walls, &lost);
+        sample->kernels.wall(&sample->particles, &sample->walls[w], &of_walls, dt, &lost);
     contact_losses_add(&sample->ledger.contacts, &lost);
 }
 
-static void pair_forces(struct sample *sample)
+static void pair_forces(struct sample *sample, double dt)
 {
     struct contact_losses lost = {0};
-    threads_pair(&sample->threads, &sample->kernels, &sample->particles, &sample->pairs, &sample->law, &lost);
+    threads_pair(&sample->threads, &sample->kernels, &sample->particles, &sample->pairs, &sample->law, dt, &lost);
     contact_losses_add(&sample->ledger.contacts, &lost);
 }
 
@@ -52,7 +51,7 @@ void sample_complete(const struct sample *sample)
     if (!sample->open)
         return;
     changed->open = false;
-    pair_forces(changed);
+    pair_forces(changed, sample->dt);
     kick(changed, sample->dt);
     particles_export_positions(&changed->particles);
 }
@@ -82,7 +81,7 @@ void time_step_forces_anew(struct sample *sample)
     sample->kicked_s = 0;
     (void)threads_drift(&sample->threads, &sample->kernels, &sample->particles, 0, 0, INFINITY);
     wall_forces(sample, 0);
-    pair_forces(sample);
+    pair_forces(sample, 0);
     kick(sample, 0);
 }
 
