@@ -14,7 +14,12 @@
 #include "common/command_line.h"
 #include "common/floating_point.h"
 #include "sim/look/measure.h"
+#include "sim/sample/energy.h"
 #include "sim/sample/sample.h"
+#include "sim/sample/stage.h"
+#include "sim/sample/step_completion.h"
+#include "sim/sample/time_step.h"
+#include "sim/sample/wall_state.h"
 #include "wallctl/law.h"
 
 enum {
@@ -46,7 +51,7 @@ static enum status exchange(struct bench *bench)
     struct wall_state state;
     struct wall_command command;
     if (sample->stage >= 0 && sample->step - bench->energy_step >= ENERGY_STEPS) { /* no law before the first stage */
-        bench->held = measure_held_energy(sample);
+        bench->held = energy_held(sample_complete(sample));
         bench->energy_step = sample->step;
     }
     sample_wall_state(sample, &state);
@@ -181,22 +186,22 @@ static enum status measure_isa(struct bench *bench, enum instruction_set isa)
         step_us = k == 0 ? timing.least_us : step_us;
         report(bench, &parts[k], &timing, step_us);
         if (parts[k].run == one_step_of_run)
-            sample_complete(sample);
+            (void)sample_complete(sample);
     }
     return STATUS_OK;
 }
 
 static void count(struct bench *bench)
 {
-    const struct sample *sample = bench->sample;
+    struct sample *sample = bench->sample;
     bench->n[PER_PARTICLE] = sample->particles.count;
     bench->n[PER_WALL_CONTACT] = 0;
     for (int w = 0; w < sample->n_walls; w++)
         bench->n[PER_WALL_CONTACT] += sample->walls[w].contacts.count;
     bench->n[PER_CONTACT] = sample->pairs.count; /* candidates */
     printf("%s: %d particles, %d contacts with walls, %d candidates between particles in %d slots, %d at walls\n",
-           sample->scene->name, sample->particles.count, measure_contacts(sample, NULL), sample->pairs.count,
-           sample->pairs.n_sets * SET_WIDTH, bench->n[PER_WALL_CONTACT]);
+           sample->scene->name, sample->particles.count, measure_contacts(sample_complete(sample), NULL),
+           sample->pairs.count, sample->pairs.n_sets * SET_WIDTH, bench->n[PER_WALL_CONTACT]);
 }
 
 /* Steps of the run first, until the skin of the lists suits them. */

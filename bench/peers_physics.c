@@ -9,6 +9,8 @@
 #include "bench/peers_output.h"
 #include "bench/prepare.h"
 #include "sim/look/measure.h"
+#include "sim/sample/stage.h"
+#include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
 
 enum { PATH_STEPS = 200 };
@@ -97,13 +99,13 @@ static void positions_and_forces(const struct sample *sample, double *x, double 
         }
 }
 
-static enum status mean_contact_force(const struct sample *sample, double *mean)
+static enum status mean_contact_force(struct sample *sample, double *mean)
 {
-    int n = measure_contacts(sample, NULL);
+    int n = measure_contacts(sample_complete(sample), NULL);
     struct contact_measurement *contacts = malloc(sizeof *contacts * (size_t)(n + 1));
     if (!contacts)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    n = measure_contacts(sample, contacts);
+    n = measure_contacts(sample_complete(sample), contacts);
     *mean = 0;
     for (int k = 0; k < n; k++)
         *mean += fabs(contacts[k].normal_force_n) / n;

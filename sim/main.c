@@ -7,7 +7,7 @@
 #include "common/floating_point.h"
 #include "common/scene.h"
 #include "common/signals.h"
-#include "sim/look/explain.h"
+#include "sim/run/explain.h"
 #include "sim/run/run.h"
 
 static const char usage[] =

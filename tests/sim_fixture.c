@@ -7,6 +7,9 @@
 #include <string.h>
 
 #include "sim/look/measure.h"
+#include "sim/sample/stage.h"
+#include "sim/sample/time_step.h"
+#include "sim/sample/wall_state.h"
 #include "wallctl/law.h"
 
 void must(enum status status)

@@ -8,6 +8,10 @@
 #include <string.h>
 
 #include "sim/look/measure.h"
+#include "sim/sample/stage.h"
+#include "sim/sample/step_completion.h"
+#include "sim/sample/time_step.h"
+#include "sim/sample/wall_state.h"
 #include "wallctl/law.h"
 
 static const double PI = 3.14159265358979323846;
@@ -73,7 +77,7 @@ static void ledger_of_cycles(void **state)
                 fixture_run(&f, start + cycle * period + k * period / PARTS);
                 total += fabs(f.sample->ledger.work_walls - work);
                 work = f.sample->ledger.work_walls;
-                must(measure(f.sample, &m));
+                must(measure(sample_complete(f.sample), &m));
                 worst = fmax(worst, fabs(m.residual_j - residual));
             }
             residual = m.residual_j;
@@ -148,7 +152,7 @@ static void steps_up_to_the_critical(void **state)
         struct measurement m = {0};
         enum status status = try_run(&f, steps_of(&f, 1));
         if (status == STATUS_OK)
-            status = measure(f.sample, &m);
+            status = measure(sample_complete(f.sample), &m);
         print_message("dt %.1f of critical: %s, residual %.2g of the work\n", fraction[k],
                       status == STATUS_OK ? "ran" : status_message(), m.residual_j / f.sample->ledger.work_walls);
         assert_true(status == STATUS_OK || status == STATUS_UNSTABLE);
@@ -186,13 +190,13 @@ static void wall_masses(void **state)
     fixture_run(&tiny, steps_of(&tiny, 1));
     fixture_run(&huge, steps_of(&huge, 1));
     for (int c = 0; c < 3; c++) { /* at rest but for the last creep without friction */
-        must(measure(none.sample, &m));
+        must(measure(sample_complete(none.sample), &m));
         assert_close("massless wall", m.stress_wall_pa[c], 1000, 10);
-        must(measure(tiny.sample, &m));
+        must(measure(sample_complete(tiny.sample), &m));
         assert_close("light wall", m.stress_wall_pa[c], 1000, 10);
     }
     assert_close("heavy wall", sample_box_length_m(huge.sample, 0), length, 1e-7);
-    must(measure(huge.sample, &m));
+    must(measure(sample_complete(huge.sample), &m));
     fixture_close(&none);
     fixture_close(&tiny);
     fixture_close(&huge);
@@ -221,7 +225,7 @@ static void almost_empty_box(void **state)
     struct measurement m;
     (void)state;
     fixture_run(&f, steps_of(&f, 1));
-    must(measure(f.sample, &m));
+    must(measure(sample_complete(f.sample), &m));
     for (int c = 0; c < 3; c++)
         assert_close("one sphere carries the walls", m.stress_wall_pa[c], 1000, 1);
     fixture_close(&f);
@@ -245,7 +249,7 @@ static void pressure_to_zero(void **state)
     assert_int_equal(f.sample->stage, 1);
     double stored = f.sample->ledger.elastic_start;
     fixture_run(&f, steps_of(&f, 2));
-    must(measure(f.sample, &m));
+    must(measure(sample_complete(f.sample), &m));
     print_message("at 1e-3 Pa: %.3f contacts per sphere, %.2f rattlers, elastic energy %.2g of before\n",
                   m.coordination, m.rattler_fraction, (m.elastic_normal_j + m.elastic_tangential_j) / stored);
     assert_true(m.elastic_normal_j + m.elastic_tangential_j < 1e-3 * stored);
@@ -264,12 +268,12 @@ static void fast_straining(void **state)
     struct measurement m;
     (void)state;
     fixture_run(&f, steps_of(&f, 1) + 1250);
-    must(measure(f.sample, &m));
+    must(measure(sample_complete(f.sample), &m));
     assert_true(m.inertial_number > 1e-2);
     print_message("inertial number %.2g, residual %.2g of the work\n", m.inertial_number,
                   m.residual_j / f.sample->ledger.work_walls);
     fixture_run(&f, steps_of(&f, 2));
-    must(measure(f.sample, &m));
+    must(measure(sample_complete(f.sample), &m));
     assert_true(fabs(m.residual_j) < 0.01 * f.sample->ledger.work_walls);
     assert_close("strain", m.strain[2], 0.2, 1e-9);
     fixture_close(&f);

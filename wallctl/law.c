@@ -311,3 +311,15 @@ enum status wallctl_law(const struct scene *scene, const struct wall_state *told
         return status_fail(STATUS_UNSTABLE, "at step %" PRId64 " the command of a wall is not finite", state.step);
     return STATUS_OK;
 }
+
+int wallctl_stable_steps(const struct scene_coupling *coupling, const struct scene_axis *axis, double stiffness_n_per_m,
+                         double damping_kg_per_s, double dt_s)
+{
+    const struct stress_loop loop = {.mass_kg = axis->mass_kg,
+                                     .damping_kg_per_s = axis->damping_kg_per_s,
+                                     .stiffness_n_per_m = stiffness_n_per_m,
+                                     .contact_damping_kg_per_s = damping_kg_per_s};
+    const int n = coupling->interval_steps > INT_MAX ? INT_MAX : (int)coupling->interval_steps;
+    const int scheme = coupling->scheme == SCHEME_IMPEDANCE ? SCHEME_HOLD : coupling->scheme;
+    return stress_stable_steps(scheme, &loop, dt_s, scheme == SCHEME_HOLD ? n : (n + 1) / 2);
+}

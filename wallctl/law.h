@@ -21,4 +21,10 @@
 enum status wallctl_law(const struct scene *scene, const struct wall_state *state,
                         struct wall_command *command) MUST_USE;
 
+/* The longest exchange interval [steps] at which the scheme of `coupling` (for an impedance: hold) is stable for a
+ * stress-controlled wall of `axis` on contacts of that stiffness and damping: at most the interval asked for (hold), or
+ * half of it, rounded up; 0 if even a single step of dt_s is not. */
+int wallctl_stable_steps(const struct scene_coupling *coupling, const struct scene_axis *axis, double stiffness_n_per_m,
+                         double damping_kg_per_s, double dt_s);
+
 #endif

@@ -95,9 +95,4 @@ void particles_set_inverse(struct particles *particles);
 /* Volume of all particles [m^3]; in 2D the area of the discs [m^2]. */
 double particles_solid_volume(const struct particles *particles);
 
-/* Radii, positions without overlap and starting velocities as the scene says; box_lo/box_hi [dimension] become the
- * starting box. Errors: STATUS_LIMIT when a random start finds no room. */
-enum status initial_packing_make(struct particles *particles, const struct scene *scene, double *box_lo_m,
-                                 double *box_hi_m) MUST_USE;
-
 #endif

@@ -1,22 +1,8 @@
-/* Measurements of the sample at the current step. None of them changes it. */
+/* Measurements of a complete step. None of them changes it. */
 #ifndef SHAKEDOWN_SIM_LOOK_MEASURE_H
 #define SHAKEDOWN_SIM_LOOK_MEASURE_H
 
 #include "sim/sample/sample.h"
-
-double measure_kinetic_energy_j(const struct sample *sample);   /* translation and rotation */
-double measure_potential_energy_j(const struct sample *sample); /* in gravity: -sum m g.x */
-
-/* What the sample holds now, as the controller's conditions, the ledger and the watch take it. */
-struct held_energy {
-    double kinetic_j;
-    double elastic_j; /* sum f^2/(2 k2) of the elastic normal forces + sum kt xi^2/2 */
-};
-struct held_energy measure_held_energy(const struct sample *sample);
-
-/* Upper bound of each wall's tangent stiffness, sum of k2, and damping, sum of gamma_n, over its contacts; [n_walls].
- */
-void measure_wall_stiffness(const struct sample *sample, double *stiffness_n_per_m, double *damping_kg_per_s);
 
 /* Everything of a sample_t but its header. Tensors row major, dimension x dimension; compression positive. */
 struct measurement {
@@ -32,7 +18,7 @@ struct measurement {
 };
 
 /* Errors: STATUS_NO_MEMORY; STATUS_UNSTABLE if the energies are not finite. */
-enum status measure(const struct sample *sample, struct measurement *m) MUST_USE;
+enum status measure(struct complete_sample whole, struct measurement *m) MUST_USE;
 
 /* One contact as recorded. */
 struct contact_measurement {
@@ -44,6 +30,6 @@ struct contact_measurement {
 
 /* Fills `out` with the contacts (overlap > 0) and returns their number; NULL only counts. Pairs first, by (i, j), then
  * walls, by wall; i and j are ids, i < j. */
-int measure_contacts(const struct sample *sample, struct contact_measurement *out);
+int measure_contacts(struct complete_sample whole, struct contact_measurement *out);
 
 #endif

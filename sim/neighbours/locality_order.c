@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "sim/base/aligned_array.h"
+#include "sim/grains/particle_order.h"
 #include "sim/neighbours/neighbour_chains.h"
 
 /* Smaller samples take a few microseconds a step as they are. */
@@ -129,18 +130,6 @@ static enum status permute_particles(struct particles *p, const int32_t *order, 
     return particles_set_slots(p);
 }
 
-enum status particles_set_slots(struct particles *p)
-{
-    for (int k = 0; k < p->count; k++)
-        p->slot[k] = -1;
-    for (int k = 0; k < p->count; k++) {
-        if (p->id[k] < 0 || p->id[k] >= p->count || p->slot[p->id[k]] >= 0)
-            return status_fail(STATUS_FORMAT, "the ids of the particles are not each there once");
-        p->slot[p->id[k]] = k;
-    }
-    return STATUS_OK;
-}
-
 /* A member of a list under its new numbers, and where its history is. */
 struct moved {
     int32_t i, j, from;
@@ -227,10 +216,4 @@ enum status locality_order_apply(struct particles *p, struct contact_list *pairs
     free(order);
     free(slot);
     return status;
-}
-
-void particles_gather_by_id(const struct particles *p, const double *values, int first, int count, double *out)
-{
-    for (int k = 0; k < count; k++)
-        out[k] = values[p->slot[first + k]];
 }

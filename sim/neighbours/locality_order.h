@@ -15,10 +15,4 @@ int64_t locality_order_interval(int64_t scene_steps, int count);
 enum status locality_order_apply(struct particles *particles, struct contact_list *pairs, struct wall *walls,
                                  int n_walls) MUST_USE;
 
-/* Slot of every id from id of every slot; STATUS_FORMAT if these are not a permutation. */
-enum status particles_set_slots(struct particles *particles) MUST_USE;
-
-/* Copies values[first ... first + count - 1] in the order of ids. */
-void particles_gather_by_id(const struct particles *particles, const double *values, int first, int count, double *out);
-
 #endif

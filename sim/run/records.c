@@ -11,8 +11,8 @@
 #include "shakedown_particles_t.h"
 #include "shakedown_run_info_t.h"
 #include "shakedown_sample_t.h"
+#include "sim/grains/particle_order.h"
 #include "sim/look/measure.h"
-#include "sim/neighbours/locality_order.h"
 
 /* Chunks stay below this, headers included: one message is at most BUS_MESSAGE_MAX. */
 enum { CHUNK_BYTES = 55000, PARTICLES_PER_CHUNK = CHUNK_BYTES / (2 * (int)sizeof(double)) };
@@ -36,18 +36,11 @@ void records_init(struct records *records, struct record_stream *stream, int64_t
     *records = (struct records){.stream = stream, .run_id = run_id, .last_sample_step = -1, .last_frame_step = -1};
 }
 
-void records_kernel_set(const struct sample *sample, char *text, size_t size)
-{
-    snprintf(text, size, "%s %dd %s %s%s", instruction_set_name(sample->isa), sample->particles.dimension,
-             sample->pairs.hysteretic ? "hysteretic" : "linear",
-             sample->pairs.n_springs ? "frictional" : "frictionless", sample->pairs.single ? " mixed" : "");
-}
-
 static enum status send_run_info(struct records *records, const struct sample *sample,
                                  const struct records_resumed *resumed, char *effective)
 {
     char kernel_set[64];
-    records_kernel_set(sample, kernel_set, sizeof kernel_set);
+    sample_kernel_set(sample, kernel_set, sizeof kernel_set);
     const struct scene *scene = sample->scene;
     shakedown_run_info_t message = {
         .name = (char *)scene->name,
@@ -310,16 +303,17 @@ static enum status send_particle_frames(struct records *records, const struct sa
     return status;
 }
 
-static enum status send_contact_frames(struct records *records, const struct sample *sample)
+static enum status send_contact_frames(struct records *records, struct complete_sample whole)
 {
+    const struct sample *sample = whole.sample;
     const int dim = sample->particles.dimension, frictional = sample->pairs.n_springs > 0;
     const int per_contact = 24 + 8 * dim + (frictional ? 8 * dim + 1 : 0);
     const int per_chunk = CHUNK_BYTES / per_contact;
-    int count = measure_contacts(sample, NULL);
+    int count = measure_contacts(whole, NULL);
     struct contact_measurement *contacts = malloc((size_t)(count + 1) * sizeof *contacts);
     if (!contacts)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    measure_contacts(sample, contacts);
+    measure_contacts(whole, contacts);
     struct chunk chunk = {.n = chunks_of(count, per_chunk)};
     enum status status = STATUS_OK;
     for (; status == STATUS_OK && chunk.index < chunk.n; chunk.index++) {
@@ -331,16 +325,16 @@ static enum status send_contact_frames(struct records *records, const struct sam
     return status;
 }
 
-enum status records_send_frame(struct records *records, const struct sample *sample)
+enum status records_send_frame(struct records *records, struct complete_sample whole)
 {
-    TRY(send_particle_frames(records, sample));
-    TRY(send_contact_frames(records, sample));
-    records->last_frame_step = sample->step;
+    TRY(send_particle_frames(records, whole.sample));
+    TRY(send_contact_frames(records, whole));
+    records->last_frame_step = whole.sample->step;
     records->n_frames++;
     return STATUS_OK;
 }
 
-enum status records_send_end(struct records *records, const struct sample *sample, enum status why,
+enum status records_send_end(struct records *records, struct complete_sample whole, enum status why,
                              const struct run_totals *totals)
 {
     int64_t total[RECORD_CHANNELS];
@@ -349,7 +343,7 @@ enum status records_send_end(struct records *records, const struct sample *sampl
     shakedown_end_t message = {
         .status = why,
         .reason = (char *)(why == STATUS_OK ? "" : status_message()),
-        .state_hash = (int64_t)sample_hash(sample),
+        .state_hash = (int64_t)sample_hash(whole),
         .elapsed_s = totals->elapsed_s,
         .n_channels = RECORD_CHANNELS,
         .channel = (char **)record_channel_name,
@@ -359,5 +353,5 @@ enum status records_send_end(struct records *records, const struct sample *sampl
         .commands_repeated = totals->commands_repeated,
         .records_repeated = record_stream_repeated(records->stream),
     };
-    SEND(records, sample, RECORD_END, end_t, &message);
+    SEND(records, whole.sample, RECORD_END, end_t, &message);
 }

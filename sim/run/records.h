@@ -34,7 +34,7 @@ enum status records_send_checkpoint(struct records *records, const struct sample
 enum status records_send_sample(struct records *records, const struct sample *sample, struct measurement *m) MUST_USE;
 
 /* Particles and contacts now, in chunks. */
-enum status records_send_frame(struct records *records, const struct sample *sample) MUST_USE;
+enum status records_send_frame(struct records *records, struct complete_sample whole) MUST_USE;
 
 struct run_totals {
     int64_t wall_states, wall_commands, commands_repeated;
@@ -42,10 +42,7 @@ struct run_totals {
 };
 
 /* The last record: why the run ended, and the totals of all channels. */
-enum status records_send_end(struct records *records, const struct sample *sample, enum status why,
+enum status records_send_end(struct records *records, struct complete_sample whole, enum status why,
                              const struct run_totals *totals) MUST_USE;
-
-/* "reference 2d hysteretic frictionless": what is computed and how. */
-void records_kernel_set(const struct sample *sample, char *text, size_t size);
 
 #endif

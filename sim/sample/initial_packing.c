@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "sim/base/random.h"
-#include "sim/grains/particles.h"
+#include "sim/sample/initial_packing.h"
 
 static void draw_radii(struct particles *p, const struct scene_sample *sample, struct random *random)
 {

@@ -1,14 +1,11 @@
 #include "sim/sample/sample.h"
 
-#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/look/measure.h"
 #include "sim/neighbours/locality_order.h"
-#include "sim/run/checkpoint.h"
-#include "sim/sample/time_step.h"
-#include "sim/sample/wall_motion.h"
+#include "sim/sample/initial_packing.h"
 
 double sample_box_length_m(const struct sample *sample, int c)
 {
@@ -99,19 +96,20 @@ enum status sample_close_lists(struct sample *sample)
     return STATUS_OK;
 }
 
-static enum status fill_sample(struct sample *sample)
+enum status sample_start(struct sample *sample)
 {
-    double lo[3], hi[3];
-    if (sample->scene->sample.initial == INITIAL_CHECKPOINT) {
-        TRY(checkpoint_start(sample->scene->sample.checkpoint, sample));
-    } else {
-        TRY(initial_packing_make(&sample->particles, sample->scene, lo, hi));
-        place_walls(sample, lo, hi);
-    }
     for (int w = 0; w < sample->n_walls; w++)
         sample->trajectory.x0[w] = sample->walls[w].x;
     TRY(sample_init_lists(sample));
     return sample_build_lists(sample);
+}
+
+static enum status place_sample(struct sample *sample)
+{
+    double lo[3], hi[3];
+    TRY(initial_packing_make(&sample->particles, sample->scene, lo, hi));
+    place_walls(sample, lo, hi);
+    return sample_start(sample);
 }
 
 enum status sample_create_empty(struct sample **sample, const struct scene *scene)
@@ -121,7 +119,7 @@ enum status sample_create_empty(struct sample **sample, const struct scene *scen
 
 enum status sample_create(struct sample **sample, const struct scene *scene)
 {
-    return create_and(sample, scene, fill_sample);
+    return create_and(sample, scene, place_sample);
 }
 
 void sample_free(struct sample *sample)
@@ -137,94 +135,16 @@ void sample_free(struct sample *sample)
     free(sample);
 }
 
-static void ledger_start(struct sample *sample)
+const struct contact_list *sample_list(const struct sample *sample, int l)
 {
-    memset(&sample->ledger, 0, sizeof sample->ledger);
-    struct held_energy held = measure_held_energy(sample);
-    sample->ledger.kinetic_start = held.kinetic_j;
-    sample->ledger.elastic_start = held.elastic_j;
-    sample->ledger.potential_start = measure_potential_energy_j(sample);
+    return l == 0 ? &sample->pairs : &sample->walls[l - 1].contacts;
 }
 
-void sample_set_law(struct sample *sample)
+void sample_kernel_set(const struct sample *sample, char *text, size_t size)
 {
-    sample->material = sample->stage < 0 ? NULL : &sample->scene->stage[sample->stage].material;
-    if (sample->material) {
-        sample->law = contact_law_constants_of(sample->material);
-        coupling_audit_set_law(sample);
-    }
-}
-
-static void stage_start(struct sample *sample, int stage)
-{
-    sample_complete(sample);
-    const struct scene_stage *next = &sample->scene->stage[stage];
-    sample->stage = stage;
-    sample->stage_step = 0;
-    sample->stage_time_start_s = sample->time_s;
-    sample->dt = next->dt_s;
-    sample_set_law(sample);
-    for (int w = 0; w < sample->n_walls; w++)
-        sample->stage_position_m[w] = sample->walls[w].x;
-    time_step_forces_anew(sample);
-    ledger_start(sample);
-    coupling_audit_stage_start(sample);
-}
-
-enum status sample_command(struct sample *sample, const struct wall_command *command)
-{
-    if (command->step != sample->step || command->n_walls != sample->n_walls || command->n_steps < 1)
-        return status_fail(STATUS_FORMAT, "step %lld: a command for step %lld, %d walls, %d steps does not fit",
-                           (long long)sample->step, (long long)command->step, command->n_walls, command->n_steps);
-    if (command->stage < 0 || command->stage >= sample->scene->n_stages || command->stage < sample->stage)
-        return status_fail(STATUS_FORMAT, "step %lld: a command for stage %d does not fit stage %d",
-                           (long long)sample->step, command->stage, sample->stage);
-    coupling_audit_close(sample, command);
-    if (command->stage != sample->stage)
-        stage_start(sample, command->stage);
-    coupling_audit_open(sample);
-    walls_take_command(sample, command);
-    return STATUS_OK;
-}
-
-void sample_wall_state(const struct sample *sample, struct wall_state *state)
-{
-    const struct wall_trajectory *path = &sample->trajectory;
-    const struct coupling_audit *audit = &sample->audit;
-    memset(state, 0, sizeof *state);
-    state->step = sample->step;
-    state->time_s = sample->time_s;
-    state->stage = sample->stage;
-    state->stage_step = sample->stage_step;
-    state->stage_time_s = sample->stage < 0 ? 0 : (double)sample->stage_step * sample->dt;
-    state->interval_s = path->n_steps * path->dt;
-    state->command_step = sample->step;
-    state->interface_residual_j = audit->residual_j;
-    state->interface_error = audit->error;
-    state->interface_error_before = audit->error_before;
-    state->n_walls = sample->n_walls;
-    for (int w = 0; w < sample->n_walls; w++) {
-        const struct wall *wall = &sample->walls[w];
-        state->position_m[w] = wall->x;
-        state->velocity_m_per_s[w] = walls_mean_velocity_m_per_s(sample, w);
-        state->force_before_n[w] = audit->force_start[w];
-        state->force_n[w] = wall->force;
-        state->stage_position_m[w] = sample->stage_position_m[w];
-    }
-    memcpy(state->ahead_position_m, state->position_m, sizeof state->ahead_position_m);
-    memcpy(state->ahead_velocity_m_per_s, state->velocity_m_per_s, sizeof state->ahead_velocity_m_per_s);
-    measure_wall_stiffness(sample, state->stiffness_n_per_m, state->damping_kg_per_s);
-}
-
-void sample_wall_state_ahead(const struct sample *sample, struct wall_state *state)
-{
-    if (sample->stage_step == 0) /* the stage began meanwhile */
-        sample_wall_state(sample, state);
-    state->command_step = sample->trajectory.from_step + sample->trajectory.n_steps;
-    for (int w = 0; w < sample->n_walls; w++) {
-        state->ahead_position_m[w] = walls_end_position_m(sample, w);
-        state->ahead_velocity_m_per_s[w] = walls_mean_velocity_m_per_s(sample, w);
-    }
+    snprintf(text, size, "%s %dd %s %s%s", instruction_set_name(sample->isa), sample->particles.dimension,
+             sample->pairs.hysteretic ? "hysteretic" : "linear",
+             sample->pairs.n_springs ? "frictional" : "frictionless", sample->pairs.single ? " mixed" : "");
 }
 
 /* FNV-1a */
@@ -244,9 +164,9 @@ static uint64_t hash_values(uint64_t hash, const struct particles *p, const doub
     return hash;
 }
 
-uint64_t sample_hash(const struct sample *sample)
+uint64_t sample_hash(struct complete_sample whole)
 {
-    sample_complete(sample);
+    const struct sample *sample = whole.sample;
     const struct particles *p = &sample->particles;
     uint64_t hash = 0xcbf29ce484222325u;
     for (int c = 0; c < p->dimension; c++) {

@@ -8,7 +8,6 @@
 #include "sim/contacts/contact_list.h"
 #include "sim/grains/particles.h"
 #include "sim/kernels/kernels.h"
-#include "sim/look/coupling_audit.h"
 #include "sim/neighbours/verlet_list.h"
 #include "sim/sample/threads.h"
 
@@ -31,6 +30,25 @@ struct wall_trajectory {
     double mass[SCENE_WALLS_MAX], damping[SCENE_WALLS_MAX];
     double v_last[SCENE_WALLS_MAX]; /* mean over the step before from_step, and its length */
     double dt_last;
+};
+
+/* Books of the interface between walls and controller (coupling_audit.h). */
+struct coupling_audit {
+    /* Since the start of the stage [J], over all walls in a force loop: |work that sim integrated - (F + F')/2 dx| with
+     * the forces at both ends of an interval; of sim, and as the controller's motion took them. */
+    double residual_j, controller_residual_j;
+    /* The same over |F + F'|/2 |dx|, of the last two intervals; 0: nothing moved. */
+    double error, error_before;
+    /* The interval in force; after its end, until the next command, the one that ended. */
+    double force_told[SCENE_WALLS_MAX];       /* of the sample at its start, as told to the controller [N] */
+    double force_start[SCENE_WALLS_MAX];      /* the same, but with the material of the stage */
+    double controller_force[SCENE_WALLS_MAX]; /* as it took them; of an impedance: driving force at the start */
+    double x_start[SCENE_WALLS_MAX];          /* m */
+    double work[SCENE_WALLS_MAX];             /* of the sample on the walls, trapezoidal rule over all steps [J] */
+    /* The watch, over windows of intervals. */
+    double window_residual_j, window_error;
+    int window_intervals, bad_windows, leaking_windows;
+    double diameter_m, sound_m_per_s; /* mean; of the sample: follow from particles and material */
 };
 
 struct sample {
@@ -61,13 +79,22 @@ struct sample {
     double kicked_s; /* the time step of the last kick, or of the one that is due; 0 at the start of a stage */
 };
 
+/* A sample whose last step is complete (sample_complete, step_completion.h): what looks at the state takes this. Good
+ * until the sample changes. */
+struct complete_sample {
+    const struct sample *sample;
+};
+
 /* Makes a sample with the model of the scene and room for its particles, without any state yet; for checkpoints. */
 enum status sample_create_empty(struct sample **sample, const struct scene *scene) MUST_USE;
 
-/* Makes the sample of the scene at step 0. `scene` must outlive the sample. Errors: STATUS_NO_MEMORY, STATUS_LIMIT (no
- * room), STATUS_USAGE (SHAKEDOWN_ISA), those of checkpoint_start. */
+/* Makes the sample of the scene at step 0 from its initial packing. `scene` must outlive the sample. Errors:
+ * STATUS_NO_MEMORY, STATUS_LIMIT (no room), STATUS_USAGE (SHAKEDOWN_ISA). */
 enum status sample_create(struct sample **sample, const struct scene *scene) MUST_USE;
 void sample_free(struct sample *sample);
+
+/* A sample that has its particles and walls gets ready for its first step: walls at rest where they are, lists. */
+enum status sample_start(struct sample *sample) MUST_USE;
 
 /* Prepares the lists of contacts for the particles' radii. */
 enum status sample_init_lists(struct sample *sample) MUST_USE;
@@ -78,29 +105,8 @@ enum status sample_build_lists(struct sample *sample) MUST_USE;
 /* Hands all lists over to the kernels, as contact_list_close does. */
 enum status sample_close_lists(struct sample *sample) MUST_USE;
 
-/* Sets what follows from the stage and the scene: material and law. */
-void sample_set_law(struct sample *sample);
-
-/* Takes a command: switches to its stage if that is new (the ledger starts anew, forces follow the new material) and
- * sets the walls on their path. STATUS_FORMAT if the command does not fit the current step. */
-enum status sample_command(struct sample *sample, const struct wall_command *command) MUST_USE;
-
-/* One time step: velocity Verlet with velocities predicted for the force evaluation, second order also for forces that
- * depend on velocity. STATUS_UNSTABLE if a particle has left the box or is not finite. */
-enum status sample_step(struct sample *sample) MUST_USE;
-
-/* The same, but forces between particles and what follows from them are left to the next step, which goes on in as few
- * passes over the particles as it can: faster, and the same bits. Who reads velocities, accelerations, the contacts'
- * history or the ledger calls sample_complete first; measurements, hash, checkpoint and a change of stage do. Walls and
- * their forces are complete, and in double positions. */
-enum status sample_step_open(struct sample *sample) MUST_USE;
-void sample_complete(const struct sample *sample);
-
-/* What the controller is told; energies are filled by the caller. */
-void sample_wall_state(const struct sample *sample, struct wall_state *state);
-
-/* Makes `state`, told when the interval in force began, ask for the command after it (pipelined). */
-void sample_wall_state_ahead(const struct sample *sample, struct wall_state *state);
+/* List l: 0 the pairs, 1 + w those of wall w. */
+const struct contact_list *sample_list(const struct sample *sample, int l);
 
 /* Length of the box along component c [m]. */
 double sample_box_length_m(const struct sample *sample, int c);
@@ -108,7 +114,10 @@ double sample_box_length_m(const struct sample *sample, int c);
 /* Index of the scene's axis that component c is (2D: 0 -> x, 1 -> z). */
 enum axis sample_axis(const struct sample *sample, int c);
 
+/* "reference 2d hysteretic frictionless": what is computed and how. */
+void sample_kernel_set(const struct sample *sample, char *text, size_t size);
+
 /* FNV-1a over positions, velocities (in the order of ids) and walls: equal bits, equal hash. */
-uint64_t sample_hash(const struct sample *sample);
+uint64_t sample_hash(struct complete_sample whole);
 
 #endif

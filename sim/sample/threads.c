@@ -212,7 +212,8 @@ static void go_through_piece(const struct work *work, int k)
     int q = piece->lo / SPAN_WIDTH;
     piece->losses = (struct contact_losses){0};
     for (int s = piece->first_span; s < piece->last_span; s++) {
-        work->kernels->pair(work->particles, work->pairs, s, s + 1, work->law, work->dt_s, work->particles->force, &piece->losses);
+        work->kernels->pair(work->particles, work->pairs, s, s + 1, work->law, work->dt_s, work->particles->force,
+                            &piece->losses);
         for (; work->sweep && q < end && (part[q].piece != k || part[q].complete <= s); q++)
             if (part[q].piece == k)
                 advance_part(work, q);
@@ -235,7 +236,8 @@ static void go_through_pieces(const struct work *work, struct contact_losses *lo
 }
 
 void threads_pair(struct threads *threads, const struct kernels *kernels, struct particles *p,
-                  struct contact_list *pairs, const struct contact_law_constants *law, double dt_s, struct contact_losses *losses)
+                  struct contact_list *pairs, const struct contact_law_constants *law, double dt_s,
+                  struct contact_losses *losses)
 {
     const struct work work = {threads, kernels, p, pairs, law, dt_s, NULL};
     if (threads->n_parts == 1)

@@ -40,7 +40,8 @@ void threads_cut(struct threads *threads, const struct particles *particles, str
 
 /* The kernels on all threads: as pair_kernel over the whole list into particles->force, and as those of their names. */
 void threads_pair(struct threads *threads, const struct kernels *kernels, struct particles *particles,
-                  struct contact_list *pairs, const struct contact_law_constants *law, double dt_s, struct contact_losses *losses);
+                  struct contact_list *pairs, const struct contact_law_constants *law, double dt_s,
+                  struct contact_losses *losses);
 bool threads_drift(const struct threads *threads, const struct kernels *kernels, struct particles *particles,
                    double dt_s, double before_s, double reach_m);
 double threads_kick(struct threads *threads, const struct kernels *kernels, struct particles *particles,

@@ -7,9 +7,10 @@
 #include "sim/sample/time_step.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "sim/neighbours/locality_order.h"
+#include "sim/sample/coupling_audit.h"
+#include "sim/sample/step_completion.h"
 #include "sim/sample/wall_motion.h"
 
 /* The walls' forces, which the loops of the walls wait for. Rows of the sums start with them. */
@@ -24,38 +25,6 @@ static void wall_forces(struct sample *sample, double dt)
     contact_losses_add(&sample->ledger.contacts, &lost);
 }
 
-static void pair_forces(struct sample *sample, double dt)
-{
-    struct contact_losses lost = {0};
-    threads_pair(&sample->threads, &sample->kernels, &sample->particles, &sample->pairs, &sample->law, dt, &lost);
-    contact_losses_add(&sample->ledger.contacts, &lost);
-}
-
-static struct kick_constants kick_constants_of(const struct sample *sample, double dt)
-{
-    struct kick_constants constants = {
-        .dt = dt, .gamma_b = sample->material->gamma_b_kg_per_s, .gamma_br = sample->material->gamma_br_kg_per_s};
-    memcpy(constants.gravity, sample->gravity, sizeof constants.gravity);
-    return constants;
-}
-
-static void kick(struct sample *sample, double dt)
-{
-    struct kick_constants constants = kick_constants_of(sample, dt);
-    sample->ledger.background += dt * threads_kick(&sample->threads, &sample->kernels, &sample->particles, &constants);
-}
-
-void sample_complete(const struct sample *sample)
-{
-    struct sample *changed = (struct sample *)(uintptr_t)sample; /* how far a step is, is no part of the state */
-    if (!sample->open)
-        return;
-    changed->open = false;
-    pair_forces(changed, sample->dt);
-    kick(changed, sample->dt);
-    particles_export_positions(&changed->particles);
-}
-
 /* What is left of the last step, and the drift of this one. */
 static bool drift(struct sample *sample)
 {
@@ -63,7 +32,7 @@ static bool drift(struct sample *sample)
     if (!sample->open)
         return threads_drift(&sample->threads, &sample->kernels, &sample->particles, sample->dt, sample->kicked_s,
                              reach);
-    struct kick_constants constants = kick_constants_of(sample, sample->dt);
+    struct kick_constants constants = step_kick_constants(sample, sample->dt);
     const struct threads_sweep sweep = {.law = &sample->law, .kick = &constants, .dt_s = sample->dt, .reach_m = reach};
     struct contact_losses lost = {0};
     double background_w;
@@ -81,8 +50,8 @@ void time_step_forces_anew(struct sample *sample)
     sample->kicked_s = 0;
     (void)threads_drift(&sample->threads, &sample->kernels, &sample->particles, 0, 0, INFINITY);
     wall_forces(sample, 0);
-    pair_forces(sample, 0);
-    kick(sample, 0);
+    step_pair_forces(sample, 0);
+    step_kick(sample, 0);
 }
 
 /* Finds what the lists could not cope with; walls and particles may overlap, but not pass each other. */
@@ -126,7 +95,7 @@ static enum status renew_order(struct sample *sample)
     const int64_t every = sample->verlet.renumber_steps;
     if (every == 0 || sample->step % every != 0)
         return STATUS_OK;
-    sample_complete(sample);
+    (void)sample_complete(sample);
     TRY(locality_order_apply(&sample->particles, &sample->pairs, sample->walls, sample->n_walls));
     return renew_lists(sample);
 }
@@ -134,7 +103,7 @@ static enum status renew_order(struct sample *sample)
 enum status sample_step(struct sample *sample)
 {
     TRY(sample_step_open(sample));
-    sample_complete(sample);
+    (void)sample_complete(sample);
     return STATUS_OK;
 }
 

@@ -19,4 +19,8 @@ double walls_driving_force_n(const struct wall_trajectory *path, int w, double t
 double walls_end_position_m(const struct sample *sample, int w);
 double walls_mean_velocity_m_per_s(const struct sample *sample, int w);
 
+/* Upper bound of each wall's tangent stiffness, sum of k2, and damping, sum of gamma_n, over its contacts; [n_walls].
+ */
+void walls_stiffness(const struct sample *sample, double *stiffness_n_per_m, double *damping_kg_per_s);
+
 #endif

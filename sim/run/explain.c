@@ -1,9 +1,8 @@
-#include "sim/look/explain.h"
+#include "sim/run/explain.h"
 
 #include <math.h>
 
-#include "sim/run/records.h"
-#include "sim/sample/sample.h"
+#include "sim/run/sample_source.h"
 
 static size_t bytes_per_particle(const struct particles *p)
 {
@@ -51,8 +50,8 @@ enum status explain_scene(FILE *out, const struct scene *scene)
 {
     struct sample *sample;
     char kernel_set[64];
-    TRY(sample_create(&sample, scene));
-    records_kernel_set(sample, kernel_set, sizeof kernel_set);
+    TRY(sample_from_scene(&sample, scene));
+    sample_kernel_set(sample, kernel_set, sizeof kernel_set);
     const struct particles *p = &sample->particles;
     fprintf(out, "scene %s: %d particles, %d walls, %d stages\n", scene->name, p->count, sample->n_walls,
             (int)scene->n_stages);

@@ -1,12 +1,11 @@
-#include "sim/look/coupling_audit.h"
+#include "sim/sample/coupling_audit.h"
 
-#include <limits.h>
 #include <math.h>
 
-#include "sim/look/measure.h"
-#include "sim/sample/sample.h"
+#include "sim/sample/energy.h"
+#include "sim/sample/step_completion.h"
 #include "sim/sample/wall_motion.h"
-#include "wallctl/stress.h"
+#include "wallctl/law.h"
 
 /* The watch looks at windows of intervals. One with a mismatch beyond all energy of the sample is bad, one that loses a
  * few percent of it leaks; this many in a row are too many. Where the mismatch is a small part of the work it is not
@@ -97,23 +96,16 @@ static bool in_loop(const struct sample *sample, int w)
 /* What would hold for wall w, as far as the bounds tell, for the end of a message. */
 static void advice(const struct sample *sample, int w, char *text, size_t size)
 {
-    const struct scene_coupling *coupling = &sample->scene->coupling;
     const struct scene_axis *axis = &sample->scene->stage[sample->stage].axis[sample_axis(sample, w / 2)];
     double stiffness[SCENE_WALLS_MAX], damping[SCENE_WALLS_MAX];
-    measure_wall_stiffness(sample, stiffness, damping);
-    struct stress_loop loop = {.mass_kg = axis->mass_kg,
-                               .damping_kg_per_s = axis->damping_kg_per_s,
-                               .stiffness_n_per_m = stiffness[w],
-                               .contact_damping_kg_per_s = damping[w]};
+    walls_stiffness(sample, stiffness, damping);
     /* a wall that has just been thrown off touches nothing: a dense layer of particles is the least to count with */
     double layer = DENSE;
     for (int c = 0; c < sample->particles.dimension; c++)
         layer *= c == w / 2 ? 1 : sample_box_length_m(sample, c) / sample->audit.diameter_m;
-    loop.stiffness_n_per_m = fmax(loop.stiffness_n_per_m, layer * sample->law.k2);
-    loop.contact_damping_kg_per_s = fmax(loop.contact_damping_kg_per_s, layer * sample->law.gamma_n);
-    int n = coupling->interval_steps > INT_MAX ? INT_MAX : (int)coupling->interval_steps;
-    int scheme = coupling->scheme == SCHEME_IMPEDANCE ? SCHEME_HOLD : coupling->scheme;
-    int stable = stress_stable_steps(scheme, &loop, sample->dt, scheme == SCHEME_HOLD ? n : (n + 1) / 2);
+    stiffness[w] = fmax(stiffness[w], layer * sample->law.k2);
+    damping[w] = fmax(damping[w], layer * sample->law.gamma_n);
+    const int stable = wallctl_stable_steps(&sample->scene->coupling, axis, stiffness[w], damping[w], sample->dt);
     if (stable < 1 || sample->trajectory.n_steps == 1)
         snprintf(text, size,
                  "dt_s = %g s is too long for this wall: shorter steps, more mass or more damping would help",
@@ -122,7 +114,7 @@ static void advice(const struct sample *sample, int w, char *text, size_t size)
         snprintf(text, size,
                  "coupling.interval_steps = %d would hold with %g N/m of contacts on the wall; so would the "
                  "scheme \"impedance\"",
-                 stable, loop.stiffness_n_per_m);
+                 stable, stiffness[w]);
 }
 
 static enum status unstable(const struct sample *sample, int w, const char *what)
@@ -165,9 +157,9 @@ static int worst_wall(const struct sample *sample, const double *mismatch_j)
     return worst;
 }
 
-static double held_energy_j(const struct sample *sample)
+static double held_energy_j(struct sample *sample)
 {
-    struct held_energy held = measure_held_energy(sample);
+    const struct held_energy held = energy_held(sample_complete(sample));
     return held.kinetic_j + held.elastic_j;
 }
 

@@ -1,0 +1,32 @@
+/* What is in a checkpoint: one table of members drives saving, loading and comparing. */
+#ifndef SHAKEDOWN_SIM_RUN_CHECKPOINT_ITEMS_H
+#define SHAKEDOWN_SIM_RUN_CHECKPOINT_ITEMS_H
+
+#include "sim/run/checkpoint_file.h"
+#include "sim/run/run_progress.h"
+#include "sim/sample/sample.h"
+
+/* One dataset. */
+struct checkpoint_item {
+    char path[64];
+    enum checkpoint_type type;
+    size_t count;
+    void *data;
+    bool late;
+};
+
+enum { CHECKPOINT_ITEMS_MAX = 512 };
+struct checkpoint_items {
+    int n;
+    struct checkpoint_item item[CHECKPOINT_ITEMS_MAX];
+};
+
+/* Every item of a run, whose last step is completed; `progress` NULL: of the sample alone. To be freed; NULL: no
+ * memory. */
+struct checkpoint_items *checkpoint_items_of(struct sample *sample, struct run_progress *progress);
+
+/* List l of contacts (sample_list) and the group of its items. */
+struct contact_list *checkpoint_list(struct sample *sample, int l);
+void checkpoint_list_group(char group[32], int l);
+
+#endif

@@ -1,0 +1,47 @@
+/* A run under way. */
+#ifndef SHAKEDOWN_SIM_RUN_RUN_STATE_H
+#define SHAKEDOWN_SIM_RUN_RUN_STATE_H
+
+#include "common/record_stream.h"
+#include "sim/look/time_remaining.h"
+#include "sim/run/exchange.h"
+#include "sim/run/records.h"
+#include "sim/run/run_options.h"
+#include "sim/run/run_progress.h"
+#include "sim/sample/energy.h"
+#include "sim/sample/sample.h"
+
+struct run_energies {
+    struct held_energy held;
+    int64_t step; /* at which it was measured */
+};
+
+struct run {
+    const struct scene *scene;
+    const struct run_options *options;
+    struct sample *sample;
+    struct bus bus;
+    struct record_stream *stream;
+    struct records records;
+    struct exchange exchange;
+    double fraction_done;
+    struct run_energies energies;    /* for the controller's conditions */
+    struct time_remaining remaining; /* of the stage */
+    int frame_strain_next;           /* index in frame_strains */
+    double start_s, status_s;
+    int64_t status_step, status_seq;
+    double steps_per_second;
+    bool resumed;               /* went on from `before` */
+    struct run_progress before; /* zero for a run from the start */
+    struct run_energies told;   /* with the last state */
+    struct wall_command command;
+    bool has_command;    /* `command` is for the current step and was asked for ahead */
+    double checkpoint_s; /* when the last one was written */
+};
+
+static inline const struct scene_stage *run_stage(const struct run *run)
+{
+    return &run->scene->stage[run->sample->stage];
+}
+
+#endif

@@ -1,0 +1,34 @@
+/* What contacts do at a complete step, from the state alone, so that the kernels need not keep it. */
+#ifndef SHAKEDOWN_SIM_SAMPLE_CONTACT_STATE_H
+#define SHAKEDOWN_SIM_SAMPLE_CONTACT_STATE_H
+
+#include "sim/sample/sample.h"
+
+/* Of a candidate: overlap (<= 0: open), unit normal from j or the wall to i, and distance along it [m]. */
+struct contact_geometry {
+    double overlap, n[3], distance;
+};
+
+/* Force on i and its tangential part [N], elastic part of the normal force [N], energy in the tangential spring [J]. */
+struct contact_forces {
+    double total[3], tangential[3];
+    double normal, elastic, spring_energy;
+};
+
+/* Candidate k of list l (sample_list). False if it is open; `forces` is not set then. */
+bool contact_state_at(struct complete_sample whole, int l, int k, struct contact_geometry *geometry,
+                      struct contact_forces *forces);
+
+/* Sums over the contacts of all lists. */
+struct contact_survey {
+    double elastic_normal_j, elastic_tangential_j;
+    double max_overlap_ratio;
+    double stress[9], fabric[9]; /* sums over contacts; fabric over those between particles */
+    int pairs, walls, sliding;
+    int32_t *i, *j; /* [candidates] touching particles, j < 0: a wall; NULL: not wanted, nor all but the energies */
+};
+
+/* Adds all contacts to `sum`; `state`: with all but the energies, too. */
+void contact_survey_make(struct complete_sample whole, bool state, struct contact_survey *sum);
+
+#endif

@@ -1,0 +1,48 @@
+#include "sim/sample/stage.h"
+
+#include "sim/sample/coupling_audit.h"
+#include "sim/sample/energy.h"
+#include "sim/sample/step_completion.h"
+#include "sim/sample/time_step.h"
+#include "sim/sample/wall_motion.h"
+
+void sample_set_law(struct sample *sample)
+{
+    sample->material = sample->stage < 0 ? NULL : &sample->scene->stage[sample->stage].material;
+    if (sample->material) {
+        sample->law = contact_law_constants_of(sample->material);
+        coupling_audit_set_law(sample);
+    }
+}
+
+static void stage_start(struct sample *sample, int stage)
+{
+    (void)sample_complete(sample);
+    const struct scene_stage *next = &sample->scene->stage[stage];
+    sample->stage = stage;
+    sample->stage_step = 0;
+    sample->stage_time_start_s = sample->time_s;
+    sample->dt = next->dt_s;
+    sample_set_law(sample);
+    for (int w = 0; w < sample->n_walls; w++)
+        sample->stage_position_m[w] = sample->walls[w].x;
+    time_step_forces_anew(sample);
+    sample->ledger = energy_ledger_start(sample_complete(sample));
+    coupling_audit_stage_start(sample);
+}
+
+enum status sample_command(struct sample *sample, const struct wall_command *command)
+{
+    if (command->step != sample->step || command->n_walls != sample->n_walls || command->n_steps < 1)
+        return status_fail(STATUS_FORMAT, "step %lld: a command for step %lld, %d walls, %d steps does not fit",
+                           (long long)sample->step, (long long)command->step, command->n_walls, command->n_steps);
+    if (command->stage < 0 || command->stage >= sample->scene->n_stages || command->stage < sample->stage)
+        return status_fail(STATUS_FORMAT, "step %lld: a command for stage %d does not fit stage %d",
+                           (long long)sample->step, command->stage, sample->stage);
+    coupling_audit_close(sample, command);
+    if (command->stage != sample->stage)
+        stage_start(sample, command->stage);
+    coupling_audit_open(sample);
+    walls_take_command(sample, command);
+    return STATUS_OK;
+}

@@ -1,0 +1,14 @@
+/* Commands of the controller, and the stages that they begin. */
+#ifndef SHAKEDOWN_SIM_SAMPLE_STAGE_H
+#define SHAKEDOWN_SIM_SAMPLE_STAGE_H
+
+#include "sim/sample/sample.h"
+
+/* Sets what follows from the stage and the scene: material and law. */
+void sample_set_law(struct sample *sample);
+
+/* Takes a command: switches to its stage if that is new (the ledger starts anew, forces follow the new material) and
+ * sets the walls on their path. STATUS_FORMAT if the command does not fit the current step. */
+enum status sample_command(struct sample *sample, const struct wall_command *command) MUST_USE;
+
+#endif
