@@ -15,6 +15,7 @@
 #include "common/command_line.h"
 #include "common/floating_point.h"
 #include "sim/run/checkpoint.h"
+#include "sim/run/sample_source.h"
 #include "sim/sample/sample.h"
 
 enum { RUNS_MAX = 64, OVERRIDES_MAX = 4, STEPS_MAX = 8, OVERRIDE_MAX = 320, WINDOWS = 3, ARGUMENTS_MAX = 300 };
@@ -186,7 +187,7 @@ static enum status vary_sample(const struct work *work, const struct scene *scen
     struct sample *sample;
     const struct run_progress progress = {0};
     snprintf(path, sizeof path, "%s/%s", work->folder, name);
-    TRY(sample_create(&sample, scene));
+    TRY(sample_from_scene(&sample, scene));
     sample->particles.x[0][sample->particles.count / 2] += shift_m;
     enum status status = no_springs ? prepare_forget(sample) : STATUS_OK;
     if (status == STATUS_OK)

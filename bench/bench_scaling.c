@@ -20,6 +20,7 @@
 #include "common/floating_point.h"
 #include "sim/base/random.h"
 #include "sim/look/measure.h"
+#include "sim/run/sample_source.h"
 #include "sim/sample/sample.h"
 #include "sim/sample/stage.h"
 #include "sim/sample/step_completion.h"
@@ -266,7 +267,7 @@ static enum status measure_row(const struct kind *kind, int count, bool ordered,
     double start = clock_now_s();
     enum status status = scene_parse(scene, text, "scaling");
     if (status == STATUS_OK)
-        status = sample_create(&sample, scene);
+        status = sample_from_scene(&sample, scene);
     double created_s = clock_now_s() - start;
     if (status == STATUS_OK)
         status = measure_world(sample, kind, ordered, row);

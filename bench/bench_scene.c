@@ -14,6 +14,7 @@
 #include "common/command_line.h"
 #include "common/floating_point.h"
 #include "sim/look/measure.h"
+#include "sim/run/sample_source.h"
 #include "sim/sample/energy.h"
 #include "sim/sample/sample.h"
 #include "sim/sample/stage.h"
@@ -217,7 +218,7 @@ static enum status measure_precision(struct bench *bench, int precision)
     bench->scene->precision = precision;
     bench->left = 0;
     bench->energy_step = 0;
-    enum status status = sample_create(&bench->sample, bench->scene);
+    enum status status = sample_from_scene(&bench->sample, bench->scene);
     if (status == STATUS_OK)
         status = warm_up(bench);
     if (status == STATUS_OK)

@@ -5,6 +5,7 @@
 #include "bench/coupling_bench.h"
 #include "bench/prepare.h"
 #include "sim/run/checkpoint.h"
+#include "sim/run/sample_source.h"
 #include "sim/sample/sample.h"
 
 enum { OVERRIDES_MAX = 32 };
@@ -48,7 +49,7 @@ static enum status make_shifted(struct coupling_work *work)
     struct sample *sample;
     const struct run_progress progress = {0};
     snprintf(path, sizeof path, "%s/shifted.h5", work->folder);
-    TRY(sample_create(&sample, work->scene));
+    TRY(sample_from_scene(&sample, work->scene));
     sample->particles.x[0][sample->particles.count / 2] += SHIFT_M;
     enum status status = checkpoint_write(path, sample, &progress);
     sample_free(sample);

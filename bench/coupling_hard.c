@@ -8,6 +8,7 @@
 #include "bench/coupling_bench.h"
 #include "bench/prepare.h"
 #include "sim/run/checkpoint.h"
+#include "sim/run/sample_source.h"
 #include "sim/sample/sample.h"
 
 struct hard_case {
@@ -47,7 +48,7 @@ static enum status vary(struct hard_work *work, double shift_m, const char *name
     struct sample *sample;
     const struct run_progress progress = {0};
     snprintf(path, sizeof path, "%s/%s", work->folder, name);
-    TRY(sample_create(&sample, work->from->scene));
+    TRY(sample_from_scene(&sample, work->from->scene));
     sample->walls[1].x += work->at->away_m;
     sample->particles.x[0][sample->particles.count / 2] += shift_m;
     enum status status = checkpoint_write(path, sample, &progress);

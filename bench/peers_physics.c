@@ -9,6 +9,7 @@
 #include "bench/peers_output.h"
 #include "bench/prepare.h"
 #include "sim/look/measure.h"
+#include "sim/run/sample_source.h"
 #include "sim/sample/stage.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
@@ -203,7 +204,7 @@ static enum status run_trial(const struct trial *trial, const struct scene *orig
         return status_fail(STATUS_NO_MEMORY, "out of memory");
     *scene = *original; /* its text stays the original's */
     set_law(scene, trial, scene_is_hysteretic(original));
-    enum status status = sample_create(&sample, scene);
+    enum status status = sample_from_scene(&sample, scene);
     if (status == STATUS_OK)
         status = both(trial, scene, sample, folder, &states);
     if (status == STATUS_OK)

@@ -10,6 +10,7 @@
 #include "bench/peers_output.h"
 #include "bench/prepare.h"
 #include "sim/kernels/kernels.h"
+#include "sim/run/sample_source.h"
 
 enum { CONTESTANTS_MAX = 12, TUNE_STEPS = 500, WARM_UP = 50 };
 
@@ -288,7 +289,7 @@ static enum status make_peers_world(struct timing *timing)
         TRY(settle(work, checkpoint));
         prepare_stage(timing->peers_scene, 0, checkpoint);
     }
-    return sample_create(&timing->sample, timing->peers_scene);
+    return sample_from_scene(&timing->sample, timing->peers_scene);
 }
 
 enum status peers_timing(const struct peers_work *work)

@@ -15,6 +15,7 @@
 #include "sim/look/measure.h"
 #include "sim/run/checkpoint.h"
 #include "sim/run/checkpoint_file.h"
+#include "sim/run/sample_source.h"
 #include "sim/sample/stage.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
@@ -115,7 +116,7 @@ static void resume_at(const struct model *model, int64_t step, const char *more)
     struct scene *scene = scene_make(model, PARTICLES, "", more);
     struct sample *whole, *resumed;
     struct run_progress taken;
-    must(sample_create(&whole, scene));
+    must(sample_from_scene(&whole, scene));
     go_on(whole, step);
     must(checkpoint_write(path, whole, &progress));
     must(checkpoint_resume(path, scene, &resumed, &taken));
@@ -156,7 +157,7 @@ static struct sample *prepare(const struct model *model, struct scene **scene)
 {
     struct sample *sample;
     *scene = scene_make(model, PARTICLES, "", "");
-    must(sample_create(&sample, *scene));
+    must(sample_from_scene(&sample, *scene));
     go_on(sample, STAGE_STEPS);
     must(checkpoint_write(path, sample, &progress));
     return sample;
@@ -187,7 +188,7 @@ static void start_from(const struct sample *from, const struct model *model, uin
     snprintf(start, sizeof start, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
     struct scene *scene = scene_make(model, PARTICLES, start, "");
     struct sample *sample;
-    must(sample_create(&sample, scene));
+    must(sample_from_scene(&sample, scene));
     assert_int_equal(sample->step, 0);
     assert_int_equal(sample->stage, -1);
     size_t size = PARTICLES * sizeof(double);
@@ -233,7 +234,7 @@ static void expect_no_start(const struct model *model, int count, const char *te
     struct sample *sample;
     snprintf(start, sizeof start, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
     struct scene *scene = scene_make(model, count, start, "");
-    assert_int_equal(sample_create(&sample, scene), STATUS_CONFIG);
+    assert_int_equal(sample_from_scene(&sample, scene), STATUS_CONFIG);
     assert_null(sample);
     if (!strstr(status_message(), text))
         fail_msg("\"%s\" does not say \"%s\"", status_message(), text);
@@ -372,7 +373,7 @@ static void test_older_files(void **state)
     snprintf(start, sizeof start, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);
     struct scene *scene = scene_make(&models[3], PARTICLES, "", mixed);
     struct scene *next = scene_make(&models[3], PARTICLES, start, mixed);
-    must(sample_create(&sample, scene));
+    must(sample_from_scene(&sample, scene));
     go_on(sample, STAGE_STEPS);
     for (int k = 0; k < 3; k++) {
         must(checkpoint_write(path, sample, &progress));
@@ -381,7 +382,7 @@ static void test_older_files(void **state)
         assert_null(resumed);
         assert_non_null(strstr(status_message(), later[k]));
         assert_non_null(strstr(status_message(), "an older version wrote it"));
-        must(sample_create(&started, next));
+        must(sample_from_scene(&started, next));
         for (int c = 0; c < 2; c++)
             assert_memory_equal(started->particles.x[c], sample->particles.x[c], PARTICLES * sizeof(double));
         go_on(started, INT64_MAX);
