@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "analyzer/biaxial.h"
-#include "analyzer/report_json.h"
 
 /* A residual at the last sample over the work done in the stage: the net work, or the sum of its absolute changes from
  * sample to sample where the net is below a tenth of that (cycles give back what they took). */
@@ -80,19 +79,6 @@ void analysis_free(struct analysis *analysis)
     cycles_free(&analysis->cycles);
     curves_free(&analysis->curves);
     run_free(&analysis->run);
-}
-
-enum status analysis_write(const struct analysis *analysis)
-{
-    char path[sizeof analysis->directory + 16];
-    snprintf(path, sizeof path, "%s/curves.csv", analysis->directory);
-    TRY(curves_write_csv(&analysis->curves, path));
-    if (analysis->curves.kind == TEST_CYCLIC) {
-        snprintf(path, sizeof path, "%s/cycles.csv", analysis->directory);
-        TRY(cycles_write_csv(&analysis->cycles, path));
-    }
-    snprintf(path, sizeof path, "%s/analysis.json", analysis->directory);
-    return report_json_write(analysis, path);
 }
 
 /* "123.4 +- 5.6" with the digits the uncertainty supports; "-" if undefined. */

@@ -24,10 +24,6 @@ enum status analysis_make(struct analysis *analysis, const char *directory) MUST
 
 void analysis_free(struct analysis *analysis);
 
-/* Writes analysis.json, curves.csv and, for cyclic loading, cycles.csv into the run's directory. STATUS_IO,
- * STATUS_NO_MEMORY. */
-enum status analysis_write(const struct analysis *analysis) MUST_USE;
-
 /* Prints the table of quantities for people. */
 void analysis_print(FILE *out, const struct analysis *analysis);
 

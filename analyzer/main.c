@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "analyzer/analysis.h"
+#include "analyzer/analysis_files.h"
 #include "analyzer/ensemble.h"
 #include "analyzer/plots.h"
 #include "analyzer/series.h"

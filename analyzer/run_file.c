@@ -1,4 +1,5 @@
 #include "analyzer/run_file.h"
+#include "common/scene_file.h"
 
 #include <errno.h>
 #include <hdf5.h>

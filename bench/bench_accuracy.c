@@ -14,6 +14,7 @@
 #include "bench/prepare.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
+#include "common/scene_file.h"
 #include "sim/run/checkpoint.h"
 #include "sim/run/sample_source.h"
 #include "sim/sample/sample.h"

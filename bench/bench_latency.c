@@ -15,7 +15,7 @@
 
 #include "common/bus.h"
 #include "common/coupling.h"
-#include "common/scene.h"
+#include "common/scene_file.h"
 #include "wallctl/law.h"
 
 enum { ROUNDS = 4000, WARM_UP = 200, GIVE_UP_MS = 2000 };

@@ -12,6 +12,7 @@
 #include "bench/prepare.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
+#include "common/scene_file.h"
 #include "sim/kernels/kernels.h"
 
 static const struct peers_case CASES[] = {

@@ -18,6 +18,7 @@
 #include "common/bus.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
+#include "common/scene_file.h"
 #include "sim/base/random.h"
 #include "sim/look/measure.h"
 #include "sim/run/sample_source.h"

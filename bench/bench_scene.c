@@ -13,6 +13,7 @@
 #include "bench/timing.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
+#include "common/scene_file.h"
 #include "sim/look/measure.h"
 #include "sim/run/sample_source.h"
 #include "sim/sample/energy.h"

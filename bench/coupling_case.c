@@ -4,6 +4,7 @@
 
 #include "bench/coupling_bench.h"
 #include "bench/prepare.h"
+#include "common/scene_file.h"
 #include "sim/run/checkpoint.h"
 #include "sim/run/sample_source.h"
 #include "sim/sample/sample.h"

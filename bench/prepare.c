@@ -1,4 +1,5 @@
 #include "bench/prepare.h"
+#include "common/scene_file.h"
 
 #include <errno.h>
 #include <stdbool.h>

@@ -144,14 +144,6 @@ struct scene {
     char *text;                /* the file as read, owned */
 };
 
-/* Reads a scene file, applies `n_overrides` assignments "path=value", checks it. `scene` is large: allocate it.
- * Numbers are taken exactly or refused (common/config_literals.h). Errors: STATUS_IO (no such file), STATUS_CONFIG
- * ("file:line: key: what is wrong; what is allowed"). */
-enum status scene_load(struct scene *scene, const char *path, const char *const *overrides, int n_overrides) MUST_USE;
-
-/* The same from a text, e.g. the effective configuration of a recorded run; `name` stands for the file in errors. */
-enum status scene_parse(struct scene *scene, const char *text, const char *name) MUST_USE;
-
 /* Releases what `scene` owns; harmless for one that is all zero, or was released. */
 void scene_free(struct scene *scene);
 

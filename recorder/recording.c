@@ -10,7 +10,7 @@
 
 #include "common/coupling.h"
 #include "common/message.h"
-#include "common/scene.h"
+#include "common/scene_file.h"
 #include "recorder/backlog.h"
 #include "recorder/early.h"
 #include "recorder/event_log.h"

@@ -5,7 +5,7 @@
 
 #include "common/command_line.h"
 #include "common/floating_point.h"
-#include "common/scene.h"
+#include "common/scene_file.h"
 #include "common/signals.h"
 #include "sim/run/explain.h"
 #include "sim/run/run.h"

@@ -33,3 +33,7 @@ add_executable(test_sim_unit ${CMAKE_CURRENT_LIST_DIR}/test_sim_unit.c)
 target_link_libraries(test_sim_unit PRIVATE sim_fixture)
 add_test(NAME sim_unit COMMAND test_sim_unit ${CMAKE_CURRENT_LIST_DIR}/scenes/small.cfg ${SHIPPED_SCENES})
 set_tests_properties(sim_unit PROPERTIES LABELS unit TIMEOUT 120)
+
+# The arrows between our files.
+add_test(NAME includes COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_includes.sh ${PROJECT_SOURCE_DIR})
+set_tests_properties(includes PROPERTIES LABELS unit TIMEOUT 60)

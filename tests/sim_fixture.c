@@ -1,4 +1,5 @@
 #include "sim_fixture.h"
+#include "common/scene_file.h"
 
 #include <limits.h>
 #include <math.h>

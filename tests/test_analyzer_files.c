@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "analyzer/analysis.h"
+#include "analyzer/analysis_files.h"
 #include "analyzer/ensemble.h"
 #include "analyzer/plots.h"
 

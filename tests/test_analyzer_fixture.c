@@ -1,4 +1,5 @@
 #include "test_analyzer_fixture.h"
+#include "common/scene_file.h"
 
 #include <dirent.h>
 #include <hdf5.h>

@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "common/scene_file.h"
 #include "sim/look/measure.h"
 #include "sim/run/checkpoint.h"
 #include "sim/run/checkpoint_file.h"

@@ -1,5 +1,6 @@
 /* Packed samples with friction: the energy ledger over cycles, friction coefficient zero, and the hard cases: each must
  * stay finite and account for its energy, or end with an error that says what is wrong. */
+#include "common/scene_file.h"
 #include "sim_fixture.h"
 
 #include <math.h>

@@ -10,6 +10,7 @@
 #include "bench/peers_bench.h"
 #include "bench/peers_output.h"
 #include "bench/prepare.h"
+#include "common/scene_file.h"
 #include "sim_fixture.h"
 
 static char *text_of(void (*write)(FILE *out, const void *what), const void *what)

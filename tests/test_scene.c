@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "common/config_literals.h"
-#include "common/scene.h"
+#include "common/scene_file.h"
 
 static const char head[] =
     "dimension = 2;\n"

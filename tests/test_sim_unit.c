@@ -1,5 +1,6 @@
 /* Parts of the simulator: random numbers, starting positions, neighbour lists, scene files, and the sizes of records.
  * Usage: test_sim_unit SCENE... (scenes whose effective configuration must read back). */
+#include "common/scene_file.h"
 #include "sim_fixture.h"
 
 #include <float.h>

@@ -15,7 +15,7 @@
 
 #include "common/bus.h"
 #include "common/coupling.h"
-#include "common/scene.h"
+#include "common/scene_file.h"
 #include "shakedown_end_t.h"
 #include "wall_fixture.h"
 #include "wallctl/law.h"

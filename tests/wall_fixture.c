@@ -1,4 +1,5 @@
 #include "wall_fixture.h"
+#include "common/scene_file.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

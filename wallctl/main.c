@@ -6,7 +6,7 @@
 #include "common/bus.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
-#include "common/scene.h"
+#include "common/scene_file.h"
 #include "common/signals.h"
 #include "wallctl/controller.h"
 #include "wallctl/replay.h"

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "wallctl/law.h"
+#include "wallctl/target.h"
 
 double walls_area_m2(const struct wall_state *state, int pair)
 {

@@ -1,4 +1,5 @@
 #include "sim/run/checkpoint.h"
+#include "common/scene_file.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,0 +1,11 @@
+/* The files of an analysis. */
+#ifndef SHAKEDOWN_ANALYZER_ANALYSIS_FILES_H
+#define SHAKEDOWN_ANALYZER_ANALYSIS_FILES_H
+
+#include "analyzer/analysis.h"
+
+/* Writes analysis.json, curves.csv and, for cyclic loading, cycles.csv into the run's directory. STATUS_IO,
+ * STATUS_NO_MEMORY. */
+enum status analysis_write(const struct analysis *analysis) MUST_USE;
+
+#endif

@@ -1,0 +1,245 @@
+#include "common/scene_file.h"
+
+#include <errno.h>
+#include <libgen.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/config_literals.h"
+#include "common/scene_check.h"
+#include "common/scene_keys.h"
+
+static enum status stages_list_check(const config_setting_t *list, const config_setting_t *parent, const char *where)
+{
+    if (!list)
+        return config_fail(parent, where, "missing; a list of stages: stages = ( { ... }, { ... } )");
+    if (!config_setting_is_list(list) || config_setting_length(list) < 1)
+        return config_fail(list, where, "must be a list of one or more groups: stages = ( { ... }, { ... } )");
+    for (int k = 0; k < config_setting_length(list); k++) {
+        const config_setting_t *member = config_setting_get_elem(list, (unsigned)k);
+        if (!config_setting_is_group(member))
+            return config_fail(member, where, "member %d must be a group: { name = ...; ... }", k);
+    }
+    return STATUS_OK;
+}
+
+/* Room for `count` more stages. */
+static enum status stages_reserve(struct scene *scene, int64_t count, const config_setting_t *at, const char *where)
+{
+    if (scene->n_stages + count > SCENE_STAGES_MAX)
+        return config_fail(at, where, "%lld stages, repeated ones counted each; allowed: at most %d",
+                           (long long)(scene->n_stages + count), SCENE_STAGES_MAX);
+    void *grown = realloc(scene->stage, (size_t)(scene->n_stages + count) * sizeof *scene->stage);
+    if (!grown)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    scene->stage = grown;
+    memset(scene->stage + scene->n_stages, 0, (size_t)count * sizeof *scene->stage);
+    return STATUS_OK;
+}
+
+/* The next stage, for which there is room. */
+static enum status stage_read(struct scene *scene, const config_setting_t *root, const config_setting_t *setting,
+                              const char *where)
+{
+    struct scene_stage *stage = &scene->stage[scene->n_stages];
+    scene_stage_start(scene, stage);
+    TRY(config_group_read(setting, scene_stage_keys, where, NULL, stage));
+    TRY(config_require(setting, scene_stage_keys, where));
+    stage->name_length = (int)strlen(stage->name);
+    TRY(scene_check_stage(scene, stage, root, setting, where));
+    scene_stage_complete(stage);
+    scene->n_stages++;
+    return STATUS_OK;
+}
+
+/* Copies of the stages from `first` on, under names of their own: NAME.1 of the first pass, NAME.2 of the second ... */
+static void group_repeat(struct scene *scene, int64_t first, int64_t repeat)
+{
+    const int64_t length = scene->n_stages - first;
+    scene->stage[first].repeat = repeat;
+    scene->stage[first].group_length = length;
+    for (int64_t pass = repeat - 1; pass >= 0; pass--) /* the first comes last, as the others are copies of it */
+        for (int64_t k = 0; k < length; k++) {
+            struct scene_stage *stage = &scene->stage[first + pass * length + k];
+            *stage = scene->stage[first + k];
+            stage->repeat = pass == 0 ? stage->repeat : 0;
+            stage->group_length = pass == 0 ? stage->group_length : 0;
+            snprintf(stage->name + stage->name_length, sizeof stage->name - (size_t)stage->name_length, ".%lld",
+                     (long long)pass + 1);
+        }
+    scene->n_stages = first + repeat * length;
+}
+
+static enum status group_read(struct scene *scene, const config_setting_t *root, const config_setting_t *setting,
+                              const char *where)
+{
+    static const char *const own[] = {"stages", NULL};
+    const config_setting_t *list = config_setting_get_member(setting, "stages");
+    const int64_t first = scene->n_stages;
+    struct scene_group group;
+    char path[128];
+    config_defaults(scene_group_keys, &group);
+    TRY(config_group_read(setting, scene_group_keys, where, own, &group));
+    TRY(config_require(setting, scene_group_keys, where));
+    snprintf(path, sizeof path, "%s.stages", where);
+    TRY(stages_list_check(list, setting, path));
+    TRY(stages_reserve(scene, config_setting_length(list) * group.repeat, setting, where));
+    for (int k = 0; k < config_setting_length(list); k++) {
+        snprintf(path, sizeof path, "%s.stages.%d", where, k);
+        TRY(stage_read(scene, root, config_setting_get_elem(list, (unsigned)k), path));
+    }
+    group_repeat(scene, first, group.repeat);
+    for (int64_t k = first; k < scene->n_stages; k++)
+        TRY(scene_check_name(scene, k, setting, where));
+    return STATUS_OK;
+}
+
+static enum status stages_read(struct scene *scene, const config_setting_t *root)
+{
+    const config_setting_t *list = config_setting_get_member(root, "stages");
+    TRY(stages_list_check(list, root, "stages"));
+    for (int k = 0; k < config_setting_length(list); k++) {
+        const config_setting_t *setting = config_setting_get_elem(list, (unsigned)k);
+        char where[32];
+        snprintf(where, sizeof where, "stages.%d", k);
+        if (config_setting_get_member(setting, "stages")) {
+            TRY(group_read(scene, root, setting, where));
+            continue;
+        }
+        TRY(stages_reserve(scene, 1, setting, where));
+        TRY(stage_read(scene, root, setting, where));
+        TRY(scene_check_name(scene, scene->n_stages - 1, setting, where));
+    }
+    return STATUS_OK;
+}
+
+static enum status scene_read(struct scene *scene, const config_setting_t *root)
+{
+    static const char *const own[] = {"stages", NULL};
+    config_defaults(scene_keys, scene);
+    TRY(config_group_read(root, scene_keys, "", own, scene));
+    TRY(config_require(root, scene_keys, ""));
+    if (scene->gravity_m_per_s2.count != 0 && scene->gravity_m_per_s2.count != SCENE_AXES)
+        return config_fail(config_setting_get_member(root, "gravity_m_per_s2"), "gravity_m_per_s2",
+                           "must have 3 members [x, y, z], or none");
+    TRY(scene_check_sample(&scene->sample, config_setting_get_member(root, "sample")));
+    TRY(stages_read(scene, root));
+    if (scene_stage_find(scene, scene->analysis.stage) < 0)
+        return config_fail(config_setting_get_member(root, "analysis"), "analysis.stage", "there is no stage \"%s\"",
+                           scene->analysis.stage);
+    return STATUS_OK;
+}
+
+static enum status config_parse(config_t *config, const char *text, const char *name, const char *const *overrides,
+                                int n_overrides)
+{
+    char *checked;
+    TRY(config_literals(text, name, &checked));
+    enum status status = STATUS_OK;
+    if (config_read_string(config, checked) != CONFIG_TRUE)
+        status = status_fail(STATUS_CONFIG, "%s:%d: %s", name, config_error_line(config), config_error_text(config));
+    free(checked);
+    for (int k = 0; status == STATUS_OK && k < n_overrides; k++)
+        status = config_override(config, overrides[k]);
+    return status;
+}
+
+static enum status parse(struct scene *scene, const char *text, const char *name, const char *const *overrides,
+                         int n_overrides)
+{
+    config_t config;
+    memset(scene, 0, sizeof *scene);
+    config_source_name(name);
+    config_init(&config);
+    enum status status = config_parse(&config, text, name, overrides, n_overrides);
+    if (status == STATUS_OK)
+        status = scene_read(scene, config_root_setting(&config));
+    config_destroy(&config);
+    if (status == STATUS_OK && !(scene->text = strdup(text)))
+        status = status_fail(STATUS_NO_MEMORY, "out of memory");
+    if (status != STATUS_OK)
+        scene_free(scene);
+    return status;
+}
+
+/* The whole file as a string; it travels in one message with the effective configuration. */
+static enum status file_read(const char *path, char **text)
+{
+    enum { LIMIT = 24 * 1024 };
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return status_fail(STATUS_IO, "%s: %s", path, strerror(errno));
+    char *buffer = calloc(LIMIT + 1, 1);
+    size_t length = buffer ? fread(buffer, 1, LIMIT + 1, file) : 0;
+    int failed = ferror(file);
+    fclose(file);
+    enum status status = STATUS_OK;
+    if (!buffer)
+        status = status_fail(STATUS_NO_MEMORY, "out of memory");
+    else if (failed)
+        status = status_fail(STATUS_IO, "%s: cannot be read: %s", path, strerror(errno));
+    else if (length > LIMIT)
+        status = status_fail(STATUS_CONFIG, "%s: larger than %d bytes", path, LIMIT);
+    else if (memchr(buffer, '\0', length))
+        status = status_fail(STATUS_CONFIG, "%s: not a text file", path);
+    if (status != STATUS_OK) {
+        free(buffer);
+        return status;
+    }
+    *text = buffer;
+    return STATUS_OK;
+}
+
+/* Paths in a scene are relative to the scene file. */
+static enum status checkpoint_resolve(struct scene *scene, const char *path)
+{
+    char copy[1024], joined[1024];
+    if (!scene->sample.checkpoint[0] || scene->sample.checkpoint[0] == '/')
+        return STATUS_OK;
+    snprintf(copy, sizeof copy, "%s", path);
+    int length = snprintf(joined, sizeof joined, "%s/%s", dirname(copy), scene->sample.checkpoint);
+    if (length >= CONFIG_STRING_MAX)
+        return status_fail(STATUS_CONFIG, "%s: sample.checkpoint: '%s' is too long", path, joined);
+    memcpy(scene->sample.checkpoint, joined, (size_t)length + 1);
+    return STATUS_OK;
+}
+
+/* RUN_INFO carries the text and the effective configuration in one message of at most 60 kB. */
+static enum status check_message_size(const struct scene *scene, const char *path)
+{
+    enum { LIMIT = 58000 };
+    char *effective = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&effective, &size);
+    if (!out)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    scene_print(out, scene);
+    bool failed = fclose(out) != 0;
+    free(effective);
+    if (failed)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    if (size + strlen(scene->text) > LIMIT)
+        return status_fail(
+            STATUS_CONFIG,
+            "%s: the file and its effective configuration (%zu bytes) exceed the %d bytes that a message "
+            "can carry; fewer stages or shorter comments would fit",
+            path, size + strlen(scene->text), LIMIT);
+    return STATUS_OK;
+}
+
+enum status scene_load(struct scene *scene, const char *path, const char *const *overrides, int n_overrides)
+{
+    char *text = NULL;
+    TRY(file_read(path, &text));
+    enum status status = parse(scene, text, path, overrides, n_overrides);
+    free(text);
+    if (status == STATUS_OK)
+        status = check_message_size(scene, path);
+    return status == STATUS_OK ? checkpoint_resolve(scene, path) : status;
+}
+
+enum status scene_parse(struct scene *scene, const char *text, const char *name)
+{
+    return parse(scene, text, name, NULL, 0);
+}
