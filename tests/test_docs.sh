@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What the documentation says about the code. Usage: test_docs.sh reference|channels|links|guards FOLDER SIM
+# What the documentation says about the code. Usage: test_docs.sh reference|channels|links|history|commands|guards FOLDER SIM
 set -uo pipefail
 
 failures=0
@@ -44,6 +44,10 @@ channels() { # FOLDER
         "$(sed -n 's/.*recorded channels `\([A-Z_ ]*\)`.*/\1/p' "$1/lcmtypes/CHANNELS.md")"
 }
 
+pages() { # FOLDER: every page
+    (cd "$1" && find . -name '*.md' -not -path './build*' -not -path './runs/*' -not -path '*/.*') | sed "s:^\.:$1:"
+}
+
 # GitHub's names of the headings of a file.
 anchors() { # FILE
     sed -n 's/^##* *//p' "$1" | tr '[:upper:]' '[:lower:]' | sed 's/[^[:alnum:] _-]//g; s/ /-/g'
@@ -68,8 +72,82 @@ links() { # FOLDER
             link_check "$file" "$link"
             count=$((count + 1))
         done < <(sed 's/`[^`]*`//g' "$file" | grep -o ']([^) ]*)' | sed 's/^](//; s/)$//')
-    done < <(cd "$1" && find . -name '*.md' -not -path './build*' -not -path './runs/*' -not -path '*/.*' | sed "s:^\.:$1:")
+    done < <(pages "$1")
     [ "$count" -gt 0 ] || complain "no link was found"
+}
+
+# Pages say what is, not how it came about: no commits, and no words that compare with what the reader never saw.
+history() { # FOLDER
+    local words='commits? [0-9a-f]{7}|(earlier|former|previous|first|new|old) (kernels?|versions?|builds?|designs?|tables?)'
+    words+='|(version|build|commit)s? before|no longer|any ?more|formerly|previously|used to be|until now|today|yesterday'
+    words+='|recently|\(before|before:|now|was [0-9]'
+    local file hits
+    while read -r file; do
+        hits=$(grep -nEiw -- "$words" "$file" | cut -c1-160)
+        hits+=$(grep -nowE '[0-9a-f]{7,40}' "$file" | grep -E '[0-9].*[a-f]|:[a-f].*[0-9]' | grep -vE ':[0-9]+e[0-9]+$')
+        [ -z "$hits" ] || complain "$file tells history:" $'\n'"$hits"
+    done < <(pages "$1")
+}
+
+readonly folders='common|lcmtypes|sim|wallctl|recorder|analyzer|scenes|tests|bench|studies|docs|examples|findings'
+
+# Code of a page that names commands or files, one piece a line: indented and fenced lines, and what stands in backticks.
+code() { # FILE
+    {
+        sed -n 's/^    *\([^ |-].*\)/\1/p' "$1"
+        sed -n '/^```/,/^```/p' "$1"
+        grep -o '`[^`]*`' "$1" | tr -d '`'
+    } | grep -E "\./shakedown |(^|[ \"=(/])($folders)/" | sort -u
+}
+
+# Options of `./shakedown COMMAND [NAME]` are in the script that reads them.
+options_check() { # PAGE LINE SCRIPT...
+    local option
+    while read -r option; do
+        grep -qrF -e "$option" "${@:3}" || complain "$1: $2: no option $option in ${*:3}"
+    done < <(grep -oE -- '(^|[ []|=)--[a-z][a-z-]*' <<<"$2" | grep -oE -- '--[a-z-]*')
+}
+
+command_check() { # FOLDER PAGE LINE
+    local command name scripts=("$1/shakedown")
+    read -r command name _ <<<"${3#*./shakedown }"
+    name=${name%%[],;)]*}
+    case $command in
+        [A-Z]* | '') return ;;
+        bench) scripts=("$1/bench/$name.sh") ;;
+        study) scripts+=("$1/studies") ;;
+        *) grep -qE "^ *([a-z-]+ \| )*$command( \||\))" "$1/shakedown" || complain "$2: $3: no command $command" ;;
+    esac
+    case $command-$name in
+        bench-[A-Z]* | study-[A-Z]* | bench- | study-) return ;;
+        bench-*) [ -f "${scripts[0]}" ] || { complain "$2: $3: no bench/$name.sh" && return; } ;;
+        study-*) [ -n "$(compgen -G "$1/studies/$name*")" ] || complain "$2: $3: no studies/$name" ;;
+    esac
+    options_check "$2" "$3" "${scripts[@]}"
+}
+
+# Files of the project that code names; a word with a capital, star or brace stands for others.
+files_check() { # FOLDER PAGE LINE
+    local path stands_for_others='[*{A-Z…]'
+    while read -r path; do
+        [[ ! $path =~ $stands_for_others ]] || continue
+        path=${path%[.,:;]}
+        [ -e "$1/$path" ] || complain "$2: $path is not there"
+    done < <(grep -oE '(^|[ "=(])(\./)?('"$folders"')/[^] ,;")]+' <<<"$3" |
+         sed 's:^[ "=(]*::; s:^\./::')
+}
+
+commands() { # FOLDER
+    local file line count=0
+    while read -r file; do
+        while read -r line; do
+            files_check "$1" "$file" "$line"
+            [[ $line == *./shakedown\ * ]] || continue
+            command_check "$1" "$file" "${line%%  *}"
+            count=$((count + 1))
+        done < <(code "$file")
+    done < <(pages "$1")
+    [ "$count" -gt 0 ] || complain "no command was found"
 }
 
 passes() { # CHECK FOLDER
@@ -101,9 +179,16 @@ guards() { # FOLDER
     damage channels common/bus.h 's/"STATUS"/"STATE"/'
     damage links docs/design.md 's/(theory.md)/(theories.md)/'
     damage links docs/design.md 's/(theory.md)/(theory.md#no-such-heading)/'
+    damage history docs/design.md '$a The kernels are faster than those of the version before.'
+    damage history docs/design.md '$a Measured with 4c7ae22.'
+    damage history docs/design.md '$a A step takes 10 µs now.'
+    damage commands README.md 's:shakedown run scenes/biaxial.cfg:shakedown start scenes/biaxial.cfg:'
+    damage commands README.md 's:scenes/biaxial.cfg:scenes/biaxal.cfg:'
+    damage commands docs/peers.md 's:shakedown bench peers:shakedown bench rivals:'
+    damage commands docs/peers.md 's:--reps:--turns:'
 }
 
-[ $# -eq 3 ] || { echo "usage: test_docs.sh reference|channels|links|guards FOLDER SIM" >&2; exit 2; }
+[ $# -eq 3 ] || { echo "usage: test_docs.sh CHECK FOLDER SIM" >&2; exit 2; }
 root=$2 sim=$3
 "$1" "$root"
 [ "$failures" -eq 0 ]
