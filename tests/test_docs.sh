@@ -109,14 +109,14 @@ options_check() { # PAGE LINE SCRIPT...
 }
 
 command_check() { # FOLDER PAGE LINE
-    local command name scripts=("$1/shakedown")
+    local command name scripts=("$1/shakedown" "$1/launcher")
     read -r command name _ <<<"${3#*./shakedown }"
     name=${name%%[],;)]*}
     case $command in
         [A-Z]* | '') return ;;
         bench) scripts=("$1/bench/$name.sh") ;;
         study) scripts+=("$1/studies") ;;
-        *) grep -qE "^ *([a-z-]+ \| )*$command( \||\))" "$1/shakedown" || complain "$2: $3: no command $command" ;;
+        *) grep -qE "^(cmd|help)_$command\(\)" "$1/shakedown" || complain "$2: $3: no command $command" ;;
     esac
     case $command-$name in
         bench-[A-Z]* | study-[A-Z]* | bench- | study-) return ;;
