@@ -89,7 +89,7 @@ history() { # FOLDER
     done < <(pages "$1")
 }
 
-readonly folders='common|lcmtypes|sim|wallctl|recorder|analyzer|scenes|tests|bench|studies|docs|examples|findings'
+readonly folders='common|lcmtypes|sim|wallctl|recorder|analyzer|launcher|scenes|tests|bench|studies|docs|examples|findings'
 
 # Code of a page that names commands or files, one piece a line: indented and fenced lines, and what stands in backticks.
 code() { # FILE
@@ -97,7 +97,7 @@ code() { # FILE
         sed -n 's/^    *\([^ |-].*\)/\1/p' "$1"
         sed -n '/^```/,/^```/p' "$1"
         grep -o '`[^`]*`' "$1" | tr -d '`'
-    } | grep -E "\./shakedown |(^|[ \"=(/])($folders)/" | sort -u
+    } | grep -E "\./shakedown |(^|[ \"=(/])($folders)/|\.[ch]\$" | sort -u
 }
 
 # Options of `./shakedown COMMAND [NAME]` are in the script that reads them.
@@ -119,16 +119,21 @@ command_check() { # FOLDER PAGE LINE
         *) grep -qE "^(cmd|help)_$command\(\)" "$1/shakedown" || complain "$2: $3: no command $command" ;;
     esac
     case $command-$name in
-        bench-[A-Z]* | study-[A-Z]* | bench- | study-) return ;;
+        bench-[A-Z]* | study-[A-Z]* | study-*.cfg | bench- | study-) return ;;
         bench-*) [ -f "${scripts[0]}" ] || { complain "$2: $3: no bench/$name.sh" && return; } ;;
         study-*) [ -n "$(compgen -G "$1/studies/$name*")" ] || complain "$2: $3: no studies/$name" ;;
     esac
     options_check "$2" "$3" "${scripts[@]}"
 }
 
-# Files of the project that code names; a word with a capital, star or brace stands for others.
+# Files of the project that code names, a source also by its name alone; a word with a capital, star or brace stands for
+# others.
 files_check() { # FOLDER PAGE LINE
     local path stands_for_others='[*{A-Z…]'
+    if [[ $3 =~ ^[a-z0-9_]+\.[ch]$ ]]; then
+        [ -n "$(find -L "$1"/{common,sim,wallctl,recorder,analyzer,launcher,bench,tests} -name "$3")" ] ||
+            complain "$2: there is no $3"
+    fi
     while read -r path; do
         [[ ! $path =~ $stands_for_others ]] || continue
         path=${path%[.,:;]}
@@ -184,6 +189,8 @@ guards() { # FOLDER
     damage history docs/design.md '$a A step takes 10 µs now.'
     damage commands README.md 's:shakedown run scenes/biaxial.cfg:shakedown start scenes/biaxial.cfg:'
     damage commands README.md 's:scenes/biaxial.cfg:scenes/biaxal.cfg:'
+    damage commands docs/design.md 's:threads.c:thread.c:'
+    damage commands docs/design.md 's:contact_law_tmpl.h:law_tmpl.h:'
     damage commands docs/peers.md 's:shakedown bench peers:shakedown bench rivals:'
     damage commands docs/peers.md 's:--reps:--turns:'
 }
