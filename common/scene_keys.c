@@ -190,8 +190,9 @@ const struct key scene_keys[] = {
      "The ledger is double in either, the state keeps at least as many digits (docs/theory.md)"},
     {"gravity_m_per_s2", KEY_FLOATS, OF(scene, gravity_m_per_s2), "m/s^2", -1e6, 1e6, "", NULL, NULL,
      "[x, y, z]; empty: none"},
-    {"checkpoint_interval_s", KEY_FLOAT, OF(scene, checkpoint_interval_s), "s", 0, INFINITY, "0", NULL, NULL,
-     "wall-clock time between checkpoints; 0: none but at stage ends"},
+    {"checkpoint_interval_s", KEY_FLOAT, OF(scene, checkpoint_interval_s), "s", 0, INFINITY, "60", NULL, NULL,
+     "wall-clock time between checkpoints, longer where they would take more than 1 % of the run; 0: none but at stage "
+     "ends"},
     {"threads", KEY_INT, OF(scene, threads), NULL, 0, 256, "0", NULL, NULL,
      "threads of sim: speed only, never the result; 0: one below 10000 particles, else as many as there are CPUs"},
     {"sample", KEY_GROUP, OF(scene, sample), NULL, 0, 0, NULL, NULL, sample_keys, ""},

@@ -14,6 +14,7 @@
 
 #include "common/bus.h"
 #include "launcher/child.h"
+#include "launcher/record_state.h"
 #include "launcher/report.h"
 #include "launcher/restarts.h"
 
@@ -221,7 +222,7 @@ static void finish_restart(struct supervisor *s)
     if (!s->restarting || is_running(s, ROLE_SIM) || is_running(s, ROLE_RECORDER))
         return;
     s->restarting = false;
-    if (s->level != STOP_NONE) {
+    if (s->level != STOP_NONE || record_is_complete(&s->launch->folder)) {
         child_signal(&s->child[ROLE_CONTROLLER], SIGTERM);
         return;
     }
@@ -493,13 +494,10 @@ static bool can_go_on(int code)
 static int conclude_unfinished(const struct supervisor *s)
 {
     const struct run_folder *folder = &s->launch->folder;
-    const struct child *recorder = &s->child[launch_in_process(s->launch) ? ROLE_CONVERTER : ROLE_RECORDER];
     if (s->interrupted)
         say("interrupted");
     report_record(folder);
-    if (s->interrupted && !s->failure && s->child[ROLE_SIM].exit_code == 0 && recorder->exit_code == 0)
-        say("the run was over already; evaluate it with: ./shakedown analyze %s", folder->path);
-    else if (s->interrupted || can_go_on(s->failure))
+    if (s->interrupted || can_go_on(s->failure))
         report_way_on(folder);
     return s->interrupted ? status_exit_code(STATUS_INTERRUPTED) : s->failure;
 }
@@ -510,7 +508,8 @@ static int evaluate(struct supervisor *s)
     start_or_fail(s, ROLE_ANALYZER, false);
     supervise(s);
     if (s->interrupted) {
-        say("interrupted; the run is complete, evaluate it with: ./shakedown analyze %s", s->launch->folder.path);
+        say("interrupted; the record is complete");
+        report_way_on(&s->launch->folder);
         return status_exit_code(STATUS_INTERRUPTED);
     }
     if (s->failure == 0)
@@ -547,6 +546,23 @@ static enum status open_signals(struct supervisor *s)
     return STATUS_OK;
 }
 
+static void simulate(struct supervisor *s)
+{
+    if (!s->launch->resume)
+        set_record_aside(s->launch);
+    if (launch_in_process(s->launch))
+        run_in_process(s);
+    else
+        run_over_bus(s);
+}
+
+static int refuse_complete(const struct run_folder *folder)
+{
+    say("error: %s/run.h5 is complete already; evaluate it again with: ./shakedown analyze %s", folder->path,
+        folder->path);
+    return status_exit_code(STATUS_IO);
+}
+
 int launch_run(const struct launch *launch, double stop_wait_s)
 {
     struct supervisor s = {.launch = launch, .stop_wait_s = stop_wait_s, .deadline_s = INFINITY};
@@ -554,12 +570,10 @@ int launch_run(const struct launch *launch, double stop_wait_s)
         s.child[role] = (struct child){.name = role_name(launch, role), .log = {.file = -1, .pipe = -1}};
     if (open_signals(&s) != STATUS_OK)
         return status_report("shakedown", STATUS_IO);
-    if (!launch->resume)
-        set_record_aside(launch);
-    if (launch_in_process(launch))
-        run_in_process(&s);
-    else
-        run_over_bus(&s);
+    if (!record_is_complete(&launch->folder))
+        simulate(&s);
+    else if (run_folder_has(&launch->folder, "analysis.json"))
+        return refuse_complete(&launch->folder);
     forget_network(launch);
     int code = s.interrupted || s.failure ? conclude_unfinished(&s) : evaluate(&s);
     for (int role = 0; role < ROLES; role++)

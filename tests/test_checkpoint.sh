@@ -131,6 +131,55 @@ case_interrupt() {
     expect_same_run whole cut
 }
 
+has_record() {
+    [ -s cut/run.h5 ]
+}
+
+# Steps have been done: exchanges are in the log.
+has_exchanges() {
+    [ "$(stat -c %s cut/run.lcm 2>/dev/null || echo 0)" -gt 300000 ]
+}
+
+# A first stage without a checkpoint is not lost either: one is written when the run is told to stop.
+case_first_stage() {
+    local long=(--set stages.0.duration_s=0.03) how
+    for how in over-the-bus in-process; do
+        rm -rf whole cut
+        [ "$how" = over-the-bus ] || long+=(--in-process)
+        shakedown run "$scene" "${long[@]}" --out whole
+        expect_code 0 $?
+        start_driver "${long[@]}" --set checkpoint_interval_s=0
+        wait_for has_exchanges
+        kill -TERM "$driver"
+        wait_for driver_ended
+        [ "$(tail -n 1 cut.out)" = "go on with: ./shakedown run --resume $work/cut" ] || fail "no way to go on"
+        [ -f cut/checkpoint.h5 ] || fail "no checkpoint"
+        [ ! -f cut/checkpoint-confine.h5 ] || fail "the first stage was over"
+        [ "$(attribute cut/run.h5 complete)" = 1 ] || fail "the interrupted record is not closed"
+        shakedown run --resume cut
+        expect_code 0 $?
+        expect_same_run whole cut
+    done
+}
+
+# Killed before its first checkpoint, a run starts again; what it recorded is kept.
+case_no_checkpoint() {
+    shakedown run "$scene" --set stages.0.duration_s=0.03 --out whole
+    expect_code 0 $?
+    start_driver --set stages.0.duration_s=0.03 --set checkpoint_interval_s=0
+    wait_for has_record
+    kill -KILL "$(pid_of sim)"
+    wait_for driver_ended
+    shakedown run --out cut "$scene"
+    expect_code 2 $?
+    expect_text last.out 'holds a run already'
+    shakedown run --resume cut
+    expect_code 0 $?
+    expect_text last.out 'starts from the beginning'
+    [ -f cut/run.h5.before ] || fail "what was recorded is gone"
+    expect_same_run whole cut
+}
+
 # A run in one process and the same one killed and resumed.
 same_in_process() { # ARGUMENTS...
     shakedown run "$scene" "${settings[@]}" --out whole --in-process --set stages.0.duration_s=0.3 "$@"
@@ -180,13 +229,19 @@ case_refused() {
     expect_code 0 $?
     shakedown run "$scene" --out over_bus
     expect_code 0 $?
+    local before
+    before=$(cksum <over_bus/run.h5)
+    shakedown run --resume over_bus --set material.mu_s=0.25
+    expect_code 3 $?
     shakedown run --resume over_bus # there is nothing to go on with
     expect_code 5 $?
     expect_text last.out 'is complete already'
-    [ "$(attribute over_bus/run.h5 complete)" = 1 ] || fail "a complete record was touched"
+    [ "$(cksum <over_bus/run.h5)" = "$before" ] || fail "a complete record was touched"
+    before=$(cksum <done/run.h5)
     shakedown run --resume 'done' --set material.mu_s=0.25
     expect_code 3 $?
     expect_text last.out 'belongs to another scene: material.mu_s was'
+    [ "$(cksum <done/run.h5)" = "$before" ] || fail "a complete record was touched"
     mkdir empty
     shakedown run --resume empty
     expect_code 5 $?

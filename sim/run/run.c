@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/signals.h"
 #include "sim/run/checkpoint.h"
 #include "sim/run/run_checkpoints.h"
 #include "sim/run/run_records.h"
@@ -64,16 +65,31 @@ static enum status interval(struct run *run, struct wall_state *state)
     return STATUS_OK;
 }
 
+/* The current state is one to go on from, as no command has answered it. Before the first there is nothing to save;
+ * with commands that are asked for ahead an answer that did not come belongs to an older state. */
+static enum status interrupt(struct run *run)
+{
+    const int64_t step = run->sample->step;
+    if (run->sample->stage >= 0)
+        TRY(run_checkpoint(run, false));
+    return status_fail(STATUS_INTERRUPTED, "interrupted at step %" PRId64, step);
+}
+
 /* From exchange to exchange until the controller says that the protocol is done. */
 static enum status loop(struct run *run)
 {
     struct wall_state state;
     const struct wall_command *command = &run->command;
     for (;;) {
-        if (run_checkpoint_is_due(run))
+        if (run_checkpoint_is_due(run) && !stop_requested())
             TRY(run_checkpoint(run, false));
+        if (stop_requested())
+            return interrupt(run);
         sample_wall_state(run->sample, &state);
-        TRY(take_command(run, &state));
+        enum status status = take_command(run, &state);
+        if (status == STATUS_INTERRUPTED)
+            return interrupt(run);
+        TRY(status);
         run->fraction_done = command->fraction_done;
         bool changes = command->finished || command->stage != run->sample->stage;
         if (changes && run->sample->stage >= 0) {
@@ -110,6 +126,15 @@ static enum status make_sample(struct run *run)
     run->resumed = run->options->resume != NULL;
     return run->resumed ? checkpoint_resume(run->options->resume, run->scene, &run->sample, &run->before)
                         : sample_from_scene(&run->sample, run->scene);
+}
+
+enum status run_check_resume(const struct scene *scene, const char *path)
+{
+    struct sample *sample = NULL;
+    struct run_progress progress;
+    TRY(checkpoint_resume(path, scene, &sample, &progress));
+    sample_free(sample);
+    return STATUS_OK;
 }
 
 enum status run_scene(const struct scene *scene, const struct run_options *options)

@@ -8,4 +8,7 @@
  * of the run is returned. */
 enum status run_scene(const struct scene *scene, const struct run_options *options) MUST_USE;
 
+/* Whether the scene could go on from the checkpoint at `path`; errors are those of checkpoint_resume. */
+enum status run_check_resume(const struct scene *scene, const char *path) MUST_USE;
+
 #endif

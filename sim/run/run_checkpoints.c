@@ -2,10 +2,14 @@
 
 #include <inttypes.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "sim/run/checkpoint.h"
+
+/* Checkpoints by the clock take at most this part of the run's time. Who asks for several in a second wants them. */
+static const double COST_MAX = 0.01, SPARING_INTERVAL_S = 1;
 
 /* Where the run stands before it asks for the command that answers the current state; `answered`: it has asked already,
  * and a run that goes on from here asks again, with the same energies. */
@@ -62,6 +66,7 @@ static enum status share_stage(const struct run *run)
 enum status run_checkpoint(struct run *run, bool stage_end)
 {
     int64_t log_bytes;
+    const double start_s = clock_now_s();
     if (!run->options->checkpoint)
         return STATUS_OK;
     TRY(secure_records(run, run->exchange.seq - stage_end, &log_bytes));
@@ -73,6 +78,7 @@ enum status run_checkpoint(struct run *run, bool stage_end)
     if (status != STATUS_OK)
         fprintf(stderr, "sim: warning: step %" PRId64 ": %s; the run goes on\n", run->sample->step, status_message());
     run->checkpoint_s = clock_now_s();
+    run->checkpoint_cost_s = run->checkpoint_s - start_s;
     return STATUS_OK;
 }
 
@@ -80,6 +86,8 @@ enum status run_checkpoint(struct run *run, bool stage_end)
 bool run_checkpoint_is_due(const struct run *run)
 {
     double interval_s = run->scene->checkpoint_interval_s;
+    if (interval_s >= SPARING_INTERVAL_S)
+        interval_s = fmax(interval_s, run->checkpoint_cost_s / COST_MAX);
     return interval_s > 0 && run->status_s - run->checkpoint_s >= interval_s;
 }
 

@@ -35,8 +35,10 @@ struct run {
     struct run_progress before; /* zero for a run from the start */
     struct run_energies told;   /* with the last state */
     struct wall_command command;
-    bool has_command;    /* `command` is for the current step and was asked for ahead */
-    double checkpoint_s; /* when the last one was written */
+    bool has_command;         /* `command` is for the current step and was asked for ahead */
+    double checkpoint_s;      /* when the last one was written */
+    double checkpoint_cost_s; /* what it took, records and all */
+    double stop_s;            /* when a stop was seen; 0: none */
 };
 
 static inline const struct scene_stage *run_stage(const struct run *run)

@@ -73,12 +73,17 @@ static void print_progress(const shakedown_status_t *message)
     fprintf(stderr, "\r\033[K%s", text);
 }
 
+/* A run that is told to stop goes on to the next exchange, where it can write a checkpoint, but not for ever. */
+static const double STOP_PATIENCE_S = 3;
+
 enum status run_status_tick(struct run *run)
 {
     double now = clock_now_s(), since = now - run->status_s, strain[3], stress[3];
     if (run->stream)
         TRY(record_stream_service(run->stream));
-    if (stop_requested())
+    if (stop_requested() && run->stop_s <= 0)
+        run->stop_s = now;
+    if (run->stop_s > 0 && now - run->stop_s > STOP_PATIENCE_S)
         return status_fail(STATUS_INTERRUPTED, "interrupted at step %" PRId64, run->sample->step);
     if (since < STATUS_INTERVAL_S)
         return STATUS_OK;

@@ -5,7 +5,7 @@
 #include "sim/run/run_state.h"
 
 /* To be called often; about ten times a second: speed, STATUS, and what came over the bus meanwhile. STATUS_INTERRUPTED
- * when a stop was requested. */
+ * when a stop was requested and no exchange has come since for some seconds. */
 enum status run_status_tick(struct run *run) MUST_USE;
 
 #endif

@@ -1,0 +1,256 @@
+#!/usr/bin/env bash
+# Runs that are disturbed must come to the same record: ./shakedown bench faults [--n N] [--seed N] [--kinds LIST]
+# Each kind of fault below is tried N times (default 10) at random moments of a run of a second (tests/scenes/small.cfg).
+# What the driver does not mend by itself is gone on with by `./shakedown run --resume`. Prints how often each was tried
+# and what came out. Exit code 1 if a run was lost, hung, or differs from the undisturbed one.
+set -uo pipefail
+# shellcheck source=options.sh
+. "${BASH_SOURCE[0]%/*}/options.sh"
+
+readonly kinds_of_processes=(sim wallctl recorder)
+readonly hang_after_s=60 settle_after_s=15
+
+# Memory as a disk that can be filled: a mount of its own, which ends with this script.
+if [ -z "${FAULTS_MOUNTS:-}" ]; then
+    user=()
+    [ "$(id -u)" -eq 0 ] || user=(--map-root-user)
+    FAULTS_MOUNTS=1 exec unshare "${user[@]}" --mount -- "$BASH" "${BASH_SOURCE[0]}" "$@"
+fi
+
+read_options '' '--n --seed --kinds' '--n --seed --kinds' "$@"
+n=${given[--n]:-10}
+RANDOM=${given[--seed]:-1}
+out=$(mktemp -d) || exit 5
+trap 'end_driver; cd /; umount "$out" 2>/dev/null; rm -rf "$out"' EXIT
+mount -t tmpfs -o size=200m faults "$out" || exit 5
+cd "$out" || exit 5
+unset LCM_DEFAULT_URL
+exec 3>&2 2>bash.err # where bash tells of every process that was killed
+
+readonly scene=$root/tests/scenes/small.cfg
+readonly settings=(--set checkpoint_interval_s=0.05 --set stages.0.duration_s=0.03 --set record.walls=sampled)
+declare -A tried=() mended=() resumed=() refused=() bad=() longest_ms=()
+driver=''
+
+now_ms() {
+    echo $((${EPOCHREALTIME//[!0-9]/} / 1000))
+}
+
+end_driver() {
+    [ -z "$driver" ] || kill -KILL "$driver" 2>/dev/null
+}
+
+start_driver() { # ARGUMENTS...: output to last.out; sets driver
+    "$root/shakedown" run "$@" >last.out 2>&1 </dev/null &
+    driver=$!
+}
+
+# Sets `code` and `ended_ms`; a driver that does not end is killed and counts as code 124.
+await_driver() {
+    local start k
+    start=$(now_ms)
+    for ((k = 0; k < hang_after_s * 50; k++)); do
+        [ -d "/proc/$driver" ] && ! grep -q '^State:.Z' "/proc/$driver/status" 2>/dev/null || break
+        sleep 0.02
+    done
+    [ "$k" -lt $((hang_after_s * 50)) ] || kill -KILL "$driver"
+    wait "$driver" 2>/dev/null
+    code=$?
+    [ "$k" -lt $((hang_after_s * 50)) ] || code=124
+    ended_ms=$(($(now_ms) - start))
+    driver=''
+}
+
+# Our own process of that name, as ids that were noted may be another's by now.
+process() { # NAME: prints its id
+    local pid
+    for pid in $(cat "/proc/$driver/task/$driver/children" 2>/dev/null); do
+        [ "$(cat "/proc/$pid/comm" 2>/dev/null)" != "$1" ] || echo "$pid"
+    done
+}
+
+# At a random moment of a run, whose length is whole_ms.
+wait_a_while() {
+    sleep "$(printf '0.%03d' $((RANDOM * whole_ms / 32768)))"
+}
+
+fingerprint() { # DIR: what two equal runs have in common
+    local group
+    h5dump -a complete "$1/run.h5" | grep -q '(0): 1' || return
+    h5dump -a state_hash "$1/run.h5" | tail -n +2
+    for group in observables particles connectivity frames; do
+        h5dump -g "/$group" "$1/run.h5" | tail -n +2
+    done | cksum
+}
+
+count() { # KIND WHAT
+    local -n counter=$2
+    counter[$1]=$((${counter[$1]:-0} + 1))
+}
+
+note_bad() { # KIND WHY
+    count "$1" bad
+    echo "faults: $1: $2" >&3
+    tail -n 8 last.out >&3
+}
+
+# Goes on until the run is whole, and compares.
+judge() { # KIND
+    local k
+    [ "${longest_ms[$1]:-0}" -ge "$ended_ms" ] || longest_ms[$1]=$ended_ms
+    [ "$code" -ne 124 ] || { note_bad "$1" "the driver hung" && return; }
+    [ "$code" -eq 0 ] || count "$1" resumed
+    for ((k = 0; code != 0 && k < 3; k++)); do
+        flock -w "$settle_after_s" run/log true || { note_bad "$1" "processes stay" && return; }
+        start_driver --resume run
+        await_driver
+    done
+    if [ "$code" -ne 0 ]; then
+        note_bad "$1" "cannot be gone on with: exit code $code"
+    elif [ "$(fingerprint run)" != "$whole" ]; then
+        note_bad "$1" "another record"
+    elif [ "$k" -eq 0 ]; then
+        count "$1" mended
+    fi
+}
+
+# A fault that found nothing to hit is tried again.
+hit() { # SIGNAL PID...
+    local signal=$1
+    shift
+    [ $# -gt 0 ] && kill "-$signal" "$@" 2>/dev/null
+}
+
+# --- Kinds of faults. Each returns 1 if the run was over before it could strike. -------------------------------------
+
+kill_one() { # NAME
+    local pid
+    pid=$(process "$1")
+    hit KILL ${pid:+"$pid"}
+}
+
+fault_kill_sim() { kill_one sim; }
+fault_kill_wallctl() { kill_one wallctl; }
+fault_kill_recorder() { kill_one recorder; }
+fault_kill_launcher() { hit KILL "$driver"; }
+
+fault_kill_all() {
+    local pids
+    mapfile -t pids < <(for name in "${kinds_of_processes[@]}"; do process "$name"; done)
+    [ "${#pids[@]}" -gt 0 ] && hit KILL "$driver" "${pids[@]}"
+}
+
+fault_term_all() {
+    local pids
+    mapfile -t pids < <(for name in "${kinds_of_processes[@]}"; do process "$name"; done)
+    [ "${#pids[@]}" -gt 0 ] && hit TERM "$driver" "${pids[@]}"
+}
+
+fault_signal_any() {
+    local receivers=(sim wallctl recorder launcher) signals=(INT TERM HUP) pid
+    local receiver=${receivers[RANDOM % 4]} signal=${signals[RANDOM % 3]}
+    pid=$driver
+    [ "$receiver" = launcher ] || pid=$(process "$receiver")
+    hit "$signal" ${pid:+"$pid"}
+}
+
+fault_stop_any() {
+    local pid
+    pid=$(process "${kinds_of_processes[RANDOM % 3]}")
+    hit STOP ${pid:+"$pid"} || return
+    sleep 3
+    hit CONT "$pid"
+    return 0
+}
+
+fault_full_disk() {
+    [ -e run/run-id ] || return
+    fallocate -l 100G filler 2>/dev/null || cat /dev/zero >filler 2>/dev/null
+    sleep 0.5
+    rm -f filler
+}
+
+trial() { # KIND
+    local k
+    for ((k = 0; k < 20; k++)); do
+        rm -rf run
+        start_driver "$scene" "${settings[@]}" --keep-going --out run
+        wait_a_while
+        if "fault_$1"; then
+            await_driver
+            count "$1" tried
+            judge "$1"
+            return
+        fi
+        await_driver
+    done
+    note_bad "$1" "never struck"
+}
+
+# --- Faults at the start: the run is refused with a reason, and nothing is left behind. -------------------------------
+
+refuse() { # KIND PATTERN
+    count "$1" tried
+    await_driver
+    if [ "$code" -eq 5 ] && grep -q -- "$2" last.out; then
+        count "$1" refused
+    else
+        note_bad "$1" "exit code $code, without the reason '$2'"
+    fi
+}
+
+trial_read_only() {
+    rm -rf run && mkdir run && mount --bind run run && mount -o remount,ro,bind run
+    start_driver "$scene" "${settings[@]}" --out run/deeper
+    refuse read_only 'Read-only file system'
+    umount run
+}
+
+# The folder of a run vanishes: no hang, no success.
+trial_folder_removed() {
+    rm -rf run
+    start_driver "$scene" "${settings[@]}" --out run
+    wait_a_while
+    [ -d run/log ] && rm -rf run
+    await_driver
+    count folder_removed tried
+    if [ -d run/log ] && [ "$code" -eq 0 ]; then
+        count folder_removed mended # it was over, or not there yet
+    elif [ "$code" -ne 0 ] && [ "$code" -ne 124 ]; then
+        count folder_removed refused
+    else
+        note_bad folder_removed "exit code $code"
+    fi
+}
+
+# --- The table -------------------------------------------------------------------------------------------------------
+
+read -ra kinds <<<"${given[--kinds]:-kill_sim kill_wallctl kill_recorder kill_launcher kill_all term_all signal_any \
+stop_any full_disk read_only folder_removed}"
+
+start_driver "$scene" "${settings[@]}" --out whole
+await_driver
+[ "$code" -eq 0 ] || { cat last.out && exit 1; }
+whole=$(fingerprint whole)
+whole_ms=$((ended_ms < 1000 ? ended_ms : 999))
+
+for kind in "${kinds[@]}"; do
+    declare -F "fault_$kind" "trial_$kind" >/dev/null || declare -F "fault_$kind" >/dev/null ||
+        declare -F "trial_$kind" >/dev/null || bench_usage "no kind $kind" 2>&3
+    for ((i = 0; i < n; i++)); do
+        if declare -F "trial_$kind" >/dev/null; then
+            "trial_$kind"
+        else
+            trial "$kind"
+        fi
+    done
+done
+
+printf '%-16s %6s %8s %10s %8s %5s %12s\n' fault tried 'by itself' 'gone on with' refused bad 'longest end'
+failures=0
+for kind in "${kinds[@]}"; do
+    printf '%-16s %6d %8d %10d %8d %5d %10d ms\n' "$kind" "${tried[$kind]:-0}" "${mended[$kind]:-0}" \
+        "${resumed[$kind]:-0}" "${refused[$kind]:-0}" "${bad[$kind]:-0}" "${longest_ms[$kind]:-0}"
+    failures=$((failures + ${bad[$kind]:-0}))
+done
+[ "$failures" -eq 0 ]
