@@ -59,17 +59,30 @@ static bool slope_set(const struct loading *loading, enum loading_curve curve, d
     return true;
 }
 
-static void moduli(const struct curves *curves, const struct loading *loading, const struct scene_analysis *analysis,
-                   struct quantity *q)
+/* Slope of a curve at the first strain, from windows within [0, `window`]. */
+static bool initial_slope_set(const struct loading *loading, enum loading_curve curve, double window,
+                              struct quantity *quantity, struct estimate *slope)
+{
+    struct estimate value;
+    double bounds[2] = {0, window}, first = loading->y[LOADING_EPS_ZZ_LOG][0];
+    if (!loading_at(loading, curve, first, loading_to_log(loading, window) - first, &value, slope)) {
+        quantity_undefined(quantity, "too few samples with axial strain up to %g", window);
+        return false;
+    }
+    set_in_window(quantity, *slope, bounds);
+    return true;
+}
+
+static void moduli(const struct curves *curves, const struct loading *loading, double window, struct quantity *q)
 {
     struct estimate slope;
-    double window[2] = {0, analysis->modulus_strain};
-    if (slope_set(loading, LOADING_SIGMA_ZZ, 0, analysis->modulus_strain, &q[QUANTITY_E_INITIAL], &slope) &&
+    double bounds[2] = {0, window};
+    if (initial_slope_set(loading, LOADING_SIGMA_ZZ, window, &q[QUANTITY_E_INITIAL], &slope) &&
         isnan(curves->lateral_pressure_pa))
         quantity_note(&q[QUANTITY_E_INITIAL], "lateral stress is not held constant: not Young's modulus");
-    (void)slope_set(loading, LOADING_EPS_V_LOG, window[0], window[1], &q[QUANTITY_EPS_V_SLOPE_INITIAL], &slope);
-    if (slope_set(loading, LOADING_EPS_XX_LOG, window[0], window[1], &q[QUANTITY_NU], &slope))
-        set_in_window(&q[QUANTITY_NU], scaled(slope, -1), window);
+    (void)initial_slope_set(loading, LOADING_EPS_V_LOG, window, &q[QUANTITY_EPS_V_SLOPE_INITIAL], &slope);
+    if (initial_slope_set(loading, LOADING_EPS_XX_LOG, window, &q[QUANTITY_NU], &slope))
+        set_in_window(&q[QUANTITY_NU], scaled(slope, -1), bounds);
     if (isnan(curves->lateral_pressure_pa))
         quantity_undefined(&q[QUANTITY_NU], "lateral stress is not held constant");
 }
@@ -129,14 +142,15 @@ static void peak(const struct curves *curves, const struct loading *loading, str
         quantity_undefined(&q[QUANTITY_PEAK_SIGMA_CORR], "lateral stress is not held constant");
 }
 
-/* Strain at which the smoothed deviator first reaches `level` before `upper`; NaN if it never does. */
+/* Logarithmic strain at which the deviator, smoothed over +- half, first reaches `level` before `upper`; NaN if it
+ * never does. */
 static double crossing(const struct loading *loading, double level, double upper, double half)
 {
     enum { GRID = 400 };
-    double first = loading->eps[0], before = NAN;
+    double first = loading->y[LOADING_EPS_ZZ_LOG][0], before = NAN;
     for (int k = 0; k <= GRID; k++) {
         double step = (upper - first) / GRID, eps = first + step * k;
-        double value = loading_smooth(loading, loading->y[LOADING_Q], eps, half);
+        double value = loading_smooth(loading, loading->y[LOADING_Q], loading_from_log(loading, eps), half);
         if (value >= level)
             return k == 0 ? NAN : eps - step * (value - level) / (value - before);
         before = value;
@@ -144,64 +158,41 @@ static double crossing(const struct loading *loading, double level, double upper
     return NAN;
 }
 
-struct local_context {
-    const struct points *points;
-    const double *y;
-    double x0;
-};
-
-/* Value and slope of a local straight line. */
-static bool local_line(const void *context, size_t skip_begin, size_t skip_end, double *out)
-{
-    const struct local_context *local = context;
-    double c[FIT_DEGREE_MAX + 1];
-    bool good = statistics_polynomial(local->points, local->y, skip_begin, skip_end, 1, local->x0, c);
-    out[0] = c[0];
-    out[1] = c[1];
-    return good;
-}
-
-/* Value and slope of the deviator at x0 by a straight line over [a, b]. */
-static bool deviator_at(const struct loading *loading, double a, double b, double x0, struct estimate local[2])
-{
-    size_t first;
-    struct points points = loading_window(loading, a, b, &first);
-    struct local_context context = {&points, loading->y[LOADING_Q] + first, x0};
-    return points.n >= 3 && statistics_jackknife(&points, local_line, &context, 2, local);
-}
-
 /* E50 = (q50 - q0)/(eps50 - eps0) with q50 = (q0 + q_peak)/2. First-order propagation of three errors: of q0, of
  * q_peak, and of q at the crossing, which moves eps50 by u/slope. */
-static struct estimate secant(struct estimate start, struct estimate top, const struct estimate local[2], double run)
+static struct estimate secant(struct estimate start, struct estimate top, struct estimate here, double slope,
+                              double run)
 {
-    double modulus = (top.value - start.value) / 2 / run, by_place = modulus / (run * local[1].value);
+    double modulus = (top.value - start.value) / 2 / run, by_place = modulus / (run * slope);
     double by_start = (1 / run + by_place) / 2, by_top = (1 / run - by_place) / 2;
-    double error = hypot(hypot(by_start * start.error, by_top * top.error), by_place * local[0].error);
+    double error = hypot(hypot(by_start * start.error, by_top * top.error), by_place * here.error);
     return (struct estimate){modulus, error};
 }
 
 static void secant_modulus(const struct loading *loading, double modulus_strain, struct quantity *quantity)
 {
     struct loading_peak top;
-    struct estimate start[2], local[2];
-    double origin = loading->eps[0];
-    if (!loading_peak_find(loading, LOADING_Q, &top) || !deviator_at(loading, origin, modulus_strain, origin, start)) {
+    struct estimate start, here, slope;
+    const double origin = loading->y[LOADING_EPS_ZZ_LOG][0];
+    if (!loading_peak_find(loading, LOADING_Q, &top) ||
+        !loading_at(loading, LOADING_Q, origin, loading_to_log(loading, modulus_strain) - origin, &start, &slope)) {
         quantity_undefined(quantity, "too few samples for the start or the peak of the deviator");
         return;
     }
-    double half = fmax(top.eps.value / 20, 4 * top.eps.value / (double)loading->n);
-    double level = (start[0].value + top.value.value) / 2, eps50 = crossing(loading, level, top.eps.value, half);
-    if (!deviator_at(loading, eps50 - half, eps50 + half, eps50, local) || !(local[1].value > 0)) {
+    double peak = loading_to_log(loading, top.eps.value), half = fmax(peak / 20, 4 * peak / (double)loading->n);
+    double level = (start.value + top.value.value) / 2, eps50 = crossing(loading, level, peak, half);
+    if (!isfinite(eps50) || !loading_at(loading, LOADING_Q, eps50, fmax(half, (eps50 - origin) / 2), &here, &slope) ||
+        !(slope.value > 0)) {
         quantity_undefined(quantity, "the deviator has no rise to half of its peak that could be followed");
         return;
     }
-    eps50 += (level - local[0].value) / local[1].value; /* the straight line's own crossing */
+    eps50 += (level - here.value) / slope.value; /* one step of Newton's method */
     if (!(eps50 > origin)) {
         quantity_undefined(quantity, "half of the peak deviator is there from the start");
         return;
     }
-    quantity_set(quantity, secant(start[0], top.value, local, eps50 - origin));
-    quantity_window(quantity, origin, eps50);
+    quantity_set(quantity, secant(start, top.value, here, slope.value, eps50 - origin));
+    quantity_window(quantity, loading->eps[0], loading_from_log(loading, eps50));
     if (top.at_end > 0)
         quantity_note(quantity, "the deviator still rises at the last sample");
 }
@@ -258,7 +249,7 @@ enum status biaxial_evaluate(const struct curves *curves, const struct scene *sc
     if (loading.n < 2) {
         all_undefined(quantities, loading.n ? "the stage has no strain yet" : "the stage has no samples");
     } else {
-        moduli(curves, &loading, &scene->analysis, quantities);
+        moduli(curves, &loading, scene->analysis.modulus_strain, quantities);
         secant_modulus(&loading, scene->analysis.modulus_strain, &quantities[QUANTITY_E50]);
         dilatancy(&loading, &scene->analysis, quantities);
         peak(curves, &loading, quantities);

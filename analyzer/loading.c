@@ -4,10 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GRID = 400, SMOOTH_MIN = 9 };
+#include "analyzer/local_fit.h"
+
+_Static_assert((int)LOADING_CURVES < (int)LOCAL_CURVES_MAX, "a peak has more curves than local_fit takes");
+
+enum { SMOOTH_MIN = 9 };
 
 static const double smooth_fraction = 1.0 / 40; /* half window over the strain range */
-static const double peak_fraction = 1.0 / 4;    /* widest half window over the strain at the peak */
 
 static enum status allocate(struct loading *loading, size_t n)
 {
@@ -31,6 +34,7 @@ enum status loading_extract(struct loading *loading, const struct curves *curves
                                       [LOADING_SIGMA_XX] = CURVE_SIGMA_XX,     [LOADING_RATIO] = CURVE_STRESS_RATIO,
                                       [LOADING_SIN_PHI] = CURVE_SIN_PHI,       [LOADING_Q_OVER_P] = CURVE_Q_OVER_P};
     TRY(allocate(loading, curves->n));
+    loading->measure = measure;
     const double *eps = curves->column[curve_axial_strain(measure)];
     double largest = -INFINITY;
     for (size_t i = 0; i < curves->n; i++) {
@@ -71,130 +75,37 @@ double loading_smooth(const struct loading *loading, const double *y, double eps
     return statistics_polynomial(&points, y + first, 0, 0, 2, eps, c) ? c[0] : NAN;
 }
 
-struct vertex_context {
-    struct points points;
-    const double *y[LOADING_CURVES]; /* from the first point of the window */
-    enum loading_curve which;
-    double lower, upper; /* where the vertex may be */
-};
-
-enum { OUT_EPS = LOADING_CURVES, OUT_COUNT };
-_Static_assert((int)OUT_COUNT <= (int)STATISTICS_OUT_MAX, "the peak has more numbers than the jackknife takes");
-
-/* Place of the maximum of the parabola within [lower, upper]; an upward parabola has it at an end. */
-static double vertex_place(const double *c, double x0, double lower, double upper)
+double loading_to_log(const struct loading *loading, double eps)
 {
-    if (c[2] < 0)
-        return fmax(lower, fmin(upper, x0 - c[1] / (2 * c[2])));
-    double low = lower - x0, high = upper - x0;
-    return c[1] * (high - low) + c[2] * (high * high - low * low) > 0 ? upper : lower;
+    return loading->measure == STRAIN_LOGARITHMIC ? eps : -log1p(-eps);
 }
 
-static bool vertex_estimate(const void *context, size_t skip_begin, size_t skip_end, double *out)
+double loading_from_log(const struct loading *loading, double eps_log)
 {
-    const struct vertex_context *v = context;
-    double c[FIT_DEGREE_MAX + 1], x0 = (v->lower + v->upper) / 2;
-    if (!statistics_polynomial(&v->points, v->y[v->which], skip_begin, skip_end, 2, x0, c))
-        return false;
-    out[OUT_EPS] = vertex_place(c, x0, v->lower, v->upper);
-    for (int k = 0; k < LOADING_CURVES; k++) {
-        if (!statistics_polynomial(&v->points, v->y[k], skip_begin, skip_end, 2, out[OUT_EPS], c))
-            return false;
-        out[k] = c[0];
-    }
-    return true;
+    return loading->measure == STRAIN_LOGARITHMIC ? eps_log : -expm1(-eps_log);
 }
 
-static double peak_coarse(const struct loading *loading, const double *y, double half)
+bool loading_at(const struct loading *loading, enum loading_curve which, double eps_log, double half,
+                struct estimate *value, struct estimate *slope)
 {
-    double first = loading->eps[0], range = loading->eps[loading->n - 1] - first, best = -INFINITY, place = first;
-    for (int k = 0; k <= GRID; k++) {
-        double eps = first + range * k / GRID, value = loading_smooth(loading, y, eps, half);
-        if (value > best) {
-            best = value;
-            place = eps;
-        }
-    }
-    return place;
-}
-
-static struct vertex_context vertex_window(const struct loading *loading, enum loading_curve which, double a, double b)
-{
-    size_t first;
-    struct vertex_context v = {.which = which, .points = loading_window(loading, a, b, &first)};
-    for (int k = 0; k < LOADING_CURVES; k++)
-        v.y[k] = loading->y[k] + first;
-    v.lower = v.points.n ? v.points.x[0] : a;
-    v.upper = v.points.n ? v.points.x[v.points.n - 1] : b;
-    return v;
-}
-
-/* Standard error of the middle of a local parabola, sqrt(9/(4 n)) times the scatter about it. */
-static double vertex_scatter(const struct vertex_context *v)
-{
-    double c[FIT_DEGREE_MAX + 1], x0 = (v->lower + v->upper) / 2, sum = 0, used = 0;
-    if (!statistics_polynomial(&v->points, v->y[v->which], 0, 0, 2, x0, c))
-        return 0;
-    for (size_t k = 0; k < v->points.n; k++) {
-        double x = v->points.x[k] - x0, off = v->y[v->which][k] - (c[0] + x * (c[1] + x * c[2]));
-        if (!isfinite(off))
-            continue;
-        sum += off * off;
-        used++;
-    }
-    return used > 3 ? sqrt(sum / (used - 3)) * sqrt(9 / (4 * used)) : 0;
-}
-
-/* What the coarse step found, and what a wider parabola must agree with. */
-struct summit {
-    double place, value;
-    double tolerance;   /* of the value */
-    double first, last; /* ends of the data */
-};
-
-/* Does the parabola over centre +- half describe the summit? Its vertex lies inside the window (or at an end of the
- * data), not far from the summit, and as high. *v and value[OUT_COUNT] are set only if so. */
-static bool parabola_agrees(const struct loading *loading, const struct summit *summit, double centre, double half,
-                            struct vertex_context *v, double *value)
-{
-    double out[OUT_COUNT];
-    struct vertex_context trial = vertex_window(loading, v->which, centre - half, centre + half);
-    if (trial.points.n < SMOOTH_MIN || !vertex_estimate(&trial, 0, 0, out))
-        return false;
-    bool low = out[OUT_EPS] <= trial.lower && trial.lower > summit->first;
-    bool high = out[OUT_EPS] >= trial.upper && trial.upper < summit->last;
-    if (low || high || fabs(out[OUT_EPS] - summit->place) > half / 2 ||
-        fabs(out[v->which] - summit->value) > summit->tolerance)
-        return false;
-    *v = trial;
-    memcpy(value, out, sizeof out);
-    return true;
+    struct local_curves curves = {loading->y[LOADING_EPS_ZZ_LOG], loading->n, 1, {loading->y[which]}};
+    return local_at(&curves, eps_log, half, value, slope);
 }
 
 bool loading_peak_find(const struct loading *loading, enum loading_curve which, struct loading_peak *peak)
 {
-    struct estimate out[STATISTICS_OUT_MAX];
-    double value[OUT_COUNT];
-    if (loading->n < SMOOTH_MIN)
+    struct local_curves curves = {.x = loading->eps, .n = loading->n, .count = 1, .y = {loading->y[which]}};
+    struct local_peak found;
+    if (loading->n < LOCAL_POINTS_MIN)
         return false;
-    double first = loading->eps[0], last = loading->eps[loading->n - 1];
-    double narrow = fmax((last - first) * smooth_fraction, (last - first) * SMOOTH_MIN / 2 / (double)loading->n);
-    double place = peak_coarse(loading, loading->y[which], narrow);
-    struct vertex_context v = vertex_window(loading, which, place - narrow, place + narrow);
-    if (!vertex_estimate(&v, 0, 0, value))
+    for (int k = 0; k < LOADING_CURVES; k++)
+        curves.y[curves.count++] = loading->y[k];
+    double span = loading->eps[loading->n - 1] - loading->eps[0];
+    double narrow = fmax(span * smooth_fraction, span * SMOOTH_MIN / 2 / (double)loading->n);
+    if (!local_peak_find(&curves, narrow, &found))
         return false;
-    /* the largest of some 40 independent windows lies about 2 standard errors above the truth: allow 4 */
-    struct summit summit = {value[OUT_EPS], value[which], 4 * vertex_scatter(&v) + 1e-9 * fabs(value[which]), first,
-                            last};
-    double half = peak_fraction * place;
-    while (half > narrow && !parabola_agrees(loading, &summit, place, half, &v, value))
-        half *= 0.7;
-    if (half > narrow) /* recentre; if that does not agree, the window stands as it was found */
-        (void)parabola_agrees(loading, &summit, value[OUT_EPS], half, &v, value);
-    if (!statistics_jackknife(&v.points, vertex_estimate, &v, OUT_COUNT, out))
-        return false;
-    *peak = (struct loading_peak){.window = {v.lower, v.upper}, .eps = out[OUT_EPS], .value = out[which]};
-    memcpy(peak->along, out, sizeof peak->along);
-    peak->at_end = peak->eps.value >= last ? 1 : peak->eps.value <= first ? -1 : 0;
+    *peak = (struct loading_peak){.eps = found.place, .value = found.value[0], .at_end = found.at_end};
+    memcpy(peak->window, found.window, sizeof peak->window);
+    memcpy(peak->along, found.value + 1, sizeof peak->along);
     return true;
 }

@@ -23,6 +23,7 @@ enum loading_curve {
 };
 
 struct loading {
+    int measure; /* enum strain_measure */
     size_t n;
     double *eps;               /* [n], axial strain in the measure asked for, strictly increasing */
     double *w;                 /* [n], the strain a sample stands for */
@@ -42,22 +43,26 @@ struct points loading_window(const struct loading *loading, double a, double b, 
  * (Savitzky-Golay for uneven samples). NaN if there are too few points. */
 double loading_smooth(const struct loading *loading, const double *y, double eps, double half);
 
+/* Axial strain in the measure of `eps` as a logarithmic one, and back. */
+double loading_to_log(const struct loading *loading, double eps);
+double loading_from_log(const struct loading *loading, double eps_log);
+
+/* Value of a curve and its slope against logarithmic axial strain at `eps_log`, from windows of at most +- half
+ * (local_at). False if there are too few samples. */
+bool loading_at(const struct loading *loading, enum loading_curve which, double eps_log, double half,
+                struct estimate *value, struct estimate *slope);
+
 /* A maximum of a curve. */
 struct loading_peak {
-    double window[2];    /* of the final fit */
+    double window[2];    /* of the fit that counts most */
     struct estimate eps; /* its place */
     struct estimate value;
     struct estimate along[LOADING_CURVES]; /* value of every curve there; the error includes that of the place */
     int at_end; /* 0: a true peak; 1: the curve still rises at the last sample; -1: falls from the first */
 };
 
-/* The maximum of curve `which`, in two steps. Coarse: the largest value of loading_smooth, half window 1/40 of the
- * strain range, on a grid of 401 strains, and the vertex of the parabola there. Fine: the vertex of a least-squares
- * parabola over a wider window, for noise not to be picked up as height: half window a quarter of the strain at the
- * peak, narrowed by 0.7 until the vertex lies in the middle half of the window and within 4 standard errors of the
- * coarse one (curves with load drops end at the coarse window). Cut at the ends of the data. Errors by
- * statistics_jackknife of the last fit; what the choice of the window adds is not in them. False if there are fewer
- * than 9 samples. */
+/* The maximum of curve `which` (local_peak_find), its rough place with half windows of 1/40 of the strain range. False
+ * if there are too few samples. */
 bool loading_peak_find(const struct loading *loading, enum loading_curve which, struct loading_peak *peak);
 
 #endif

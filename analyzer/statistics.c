@@ -1,6 +1,10 @@
 #include "analyzer/statistics.h"
 
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_multifit.h>
 #include <math.h>
+#include <stdlib.h>
 
 void statistics_weights(const double *x, double *w, size_t n)
 {
@@ -24,81 +28,72 @@ size_t statistics_lower_bound(const double *x, size_t n, double bound)
     return low;
 }
 
-/* Gaussian elimination with row pivoting of a[m][m] c = b; false if singular to rounding. */
-static bool solve(int m, double a[][FIT_DEGREE_MAX + 1], double *b)
+/* The design of a polynomial in u = (x - centre)/scale, |u| <= 1, over the points that count: [used][degree + 1]. */
+struct design {
+    double centre, scale;
+    size_t used;
+    double *row, *y, *w; /* owned by row */
+};
+
+static bool design_make(struct design *design, const struct points *points, const double *y, size_t skip_begin,
+                        size_t skip_end, int degree)
 {
-    for (int k = 0; k < m; k++) {
-        int pivot = k;
-        for (int r = k + 1; r < m; r++)
-            if (fabs(a[r][k]) > fabs(a[pivot][k]))
-                pivot = r;
-        if (!(fabs(a[pivot][k]) > 1e-12))
-            return false;
-        for (int c = 0; c < m; c++) {
-            double keep = a[k][c];
-            a[k][c] = a[pivot][c];
-            a[pivot][c] = keep;
-        }
-        double keep = b[k];
-        b[k] = b[pivot];
-        b[pivot] = keep;
-        for (int r = k + 1; r < m; r++) {
-            double factor = a[r][k] / a[k][k];
-            for (int c = k; c < m; c++)
-                a[r][c] -= factor * a[k][c];
-            b[r] -= factor * b[k];
-        }
-    }
-    for (int k = m - 1; k >= 0; k--) {
-        for (int c = k + 1; c < m; c++)
-            b[k] -= a[k][c] * b[c];
-        b[k] /= a[k][k];
+    const size_t columns = (size_t)degree + 1, n = points->n;
+    design->centre = (points->x[0] + points->x[n - 1]) / 2;
+    design->scale = (points->x[n - 1] - points->x[0]) / 2;
+    design->used = 0;
+    design->row = malloc(n * (columns + 2) * sizeof *design->row);
+    if (!design->row)
+        return false;
+    if (!(design->scale > 0))
+        design->scale = 1;
+    design->y = design->row + n * columns;
+    design->w = design->y + n;
+    for (size_t k = 0; k < n; k++) {
+        if ((k >= skip_begin && k < skip_end) || !isfinite(y[k]))
+            continue;
+        double power = 1, u = (points->x[k] - design->centre) / design->scale;
+        for (size_t c = 0; c < columns; c++, power *= u)
+            design->row[design->used * columns + c] = power;
+        design->y[design->used] = y[k];
+        design->w[design->used++] = points->w[k];
     }
     return true;
 }
 
-/* Normal equations of the polynomial in u = (x - centre)/scale, |u| <= 1, weights divided by their sum. Returns the
- * number of points in them. */
-static size_t normal_equations(const struct points *points, const double *y, size_t skip_begin, size_t skip_end,
-                               int degree, double centre, double scale, double a[][FIT_DEGREE_MAX + 1], double *b)
+static bool design_solve(const struct design *design, int degree, double *b)
 {
-    double moment[2 * FIT_DEGREE_MAX + 1] = {0}, right[FIT_DEGREE_MAX + 1] = {0};
-    size_t used = 0;
-    for (size_t k = 0; k < points->n; k++) {
-        if ((k >= skip_begin && k < skip_end) || !isfinite(y[k]))
-            continue;
-        double u = (points->x[k] - centre) / scale, power = points->w[k];
-        for (int d = 0; d <= 2 * degree; d++, power *= u) {
-            moment[d] += power;
-            if (d <= degree)
-                right[d] += power * y[k];
-        }
-        used++;
-    }
-    for (int r = 0; r <= degree; r++) {
-        for (int c = 0; c <= degree; c++)
-            a[r][c] = moment[r + c] / moment[0];
-        b[r] = right[r] / moment[0];
-    }
-    return used;
+    const size_t columns = (size_t)degree + 1;
+    double covariance[(FIT_DEGREE_MAX + 1) * (FIT_DEGREE_MAX + 1)], misfit;
+    gsl_matrix_view x = gsl_matrix_view_array(design->row, design->used, columns);
+    gsl_matrix_view c = gsl_matrix_view_array(covariance, columns, columns);
+    gsl_vector_view w = gsl_vector_view_array(design->w, design->used), out = gsl_vector_view_array(b, columns);
+    gsl_vector_view y = gsl_vector_view_array(design->y, design->used);
+    gsl_multifit_linear_workspace *room = gsl_multifit_linear_alloc(design->used, columns);
+    size_t rank = 0;
+    if (!room)
+        return false;
+    int failed =
+        gsl_multifit_wlinear_tsvd(&x.matrix, &w.vector, &y.vector, 1e-12, &out.vector, &c.matrix, &misfit, &rank, room);
+    gsl_multifit_linear_free(room);
+    return !failed && rank == columns;
 }
 
 bool statistics_polynomial(const struct points *points, const double *y, size_t skip_begin, size_t skip_end, int degree,
                            double x0, double c[FIT_DEGREE_MAX + 1])
 {
-    double a[FIT_DEGREE_MAX + 1][FIT_DEGREE_MAX + 1], b[FIT_DEGREE_MAX + 1] = {0};
+    double b[FIT_DEGREE_MAX + 1] = {0};
+    struct design design;
     c[0] = c[1] = c[2] = 0;
-    if (points->n == 0)
+    (void)gsl_set_error_handler_off(); /* failures are returned */
+    if (points->n == 0 || !design_make(&design, points, y, skip_begin, skip_end, degree))
         return false;
-    double centre = (points->x[0] + points->x[points->n - 1]) / 2;
-    double scale = (points->x[points->n - 1] - points->x[0]) / 2;
-    if (!(scale > 0))
-        scale = 1;
-    size_t used = normal_equations(points, y, skip_begin, skip_end, degree, centre, scale, a, b);
-    if (used <= (size_t)degree || !solve(degree + 1, a, b))
+    bool good = design.used > (size_t)degree && design_solve(&design, degree, b);
+    free(design.row);
+    if (!good)
         return false;
     /* shift from the centre to x0 and undo the scale */
-    double s = (x0 - centre) / scale;
+    double scale = design.scale, s = (x0 - design.centre) / scale;
     c[0] = b[0] + s * (b[1] + s * b[2]);
     c[1] = (b[1] + 2 * s * b[2]) / scale;
     c[2] = b[2] / (scale * scale);
@@ -154,7 +149,7 @@ bool statistics_jackknife(const struct points *points, statistics_estimator *est
         begin = end;
     }
     for (int k = 0; k < n_out && used >= 4; k++)
-        out[k].error = deviation(replica[k], used) * (used - 1) / sqrt(used);
+        out[k].error = deviation(replica[k], used) * (used - 1) / sqrt(used) * statistics_widening(used - 1);
     return true;
 }
 
@@ -208,7 +203,7 @@ bool statistics_mean(const struct points *points, const double *y, struct estima
         begin = end;
     }
     if (used >= 4)
-        mean->error = deviation(block, used) / sqrt(used);
+        mean->error = deviation(block, used) / sqrt(used) * statistics_widening(used - 1);
     return true;
 }
 
@@ -222,45 +217,12 @@ struct estimate statistics_plain_mean(const double *v, size_t n, double *standar
     return mean;
 }
 
-/* Continued fraction of the incomplete beta function by Lentz's method. */
-static double beta_fraction(double a, double b, double x)
-{
-    enum { TERMS = 500 };
-    static const double tiny = 1e-300;
-    double c = 1, d = 1 - (a + b) * x / (a + 1);
-    d = 1 / (fabs(d) < tiny ? tiny : d);
-    double fraction = d;
-    for (int m = 1; m <= TERMS; m++) {
-        double even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
-        double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
-        double terms[2] = {even, odd}, step = 1;
-        for (int k = 0; k < 2; k++) {
-            d = 1 + terms[k] * d;
-            c = 1 + terms[k] / c;
-            d = 1 / (fabs(d) < tiny ? tiny : d);
-            c = fabs(c) < tiny ? tiny : c;
-            step = c * d;
-            fraction *= step;
-        }
-        if (fabs(step - 1) < 1e-15)
-            break;
-    }
-    return fraction;
-}
-
-/* Regularised incomplete beta function I_x(a, b). */
-static double beta_regularised(double a, double b, double x)
-{
-    if (x <= 0 || x >= 1)
-        return x <= 0 ? 0 : 1;
-    double front = exp(lgamma(a + b) - lgamma(a) - lgamma(b) + a * log(x) + b * log1p(-x));
-    if (x < (a + 1) / (a + b + 2))
-        return front * beta_fraction(a, b, x) / a;
-    return 1 - front * beta_fraction(b, a, 1 - x) / b;
-}
-
 double statistics_student_cdf(double t, double dof)
 {
-    double tail = beta_regularised(dof / 2, 0.5, dof / (dof + t * t)) / 2;
-    return t > 0 ? 1 - tail : tail;
+    return gsl_cdf_tdist_P(t, dof);
+}
+
+double statistics_widening(double dof)
+{
+    return gsl_cdf_tdist_Pinv(gsl_cdf_ugaussian_P(2), dof) / 2;
 }

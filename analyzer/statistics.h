@@ -39,25 +39,27 @@ typedef bool statistics_estimator(const void *context, size_t skip_begin, size_t
 
 /* The estimate from all points, and its delete-a-block jackknife error,
  *   u^2 = (B-1)/B sum_b (theta_b - mean theta)^2,
- * with STATISTICS_BLOCKS blocks of equal length in x (fewer below 20 points; error NaN below 4). For a straight line
- * this overestimates u by about 10 % (the outer blocks carry the slope) and has about B - 3 degrees of freedom. n_out
- * <= STATISTICS_OUT_MAX. False if the estimator fails on all points. */
+ * times statistics_widening(B - 1), with STATISTICS_BLOCKS blocks of equal length in x (fewer below 20 points; error
+ * NaN below 4). n_out <= STATISTICS_OUT_MAX. False if the estimator fails on all points. */
 bool statistics_jackknife(const struct points *points, statistics_estimator *estimator, const void *context, int n_out,
                           struct estimate *out);
 
 /* Slope of y[n] against x by statistics_polynomial and statistics_jackknife. False with fewer than 3 points. */
 bool statistics_slope(const struct points *points, const double *y, struct estimate *slope);
 
-/* Mean of y[n] over x (weighted) with its error from the scatter of block means, u = sd(block means)/sqrt(B): blocks as
- * above. False with no points. */
+/* Mean of y[n] over x (weighted) with its error from the scatter of block means, u = sd(block means)/sqrt(B), widened:
+ * blocks as above. False with no points. */
 bool statistics_mean(const struct points *points, const double *y, struct estimate *mean);
 
 /* Mean and standard error of v[n] taken as independent, and the standard deviation (n - 1); NaN where n is too small.
  */
 struct estimate statistics_plain_mean(const double *v, size_t n, double *standard_deviation);
 
-/* P(T <= t) of Student's distribution with `dof` > 0 degrees of freedom, through the incomplete beta function
- * (Abramowitz & Stegun 26.7.1, 26.5.8 as a continued fraction). Accurate to about 1e-12. */
+/* P(T <= t) of Student's distribution with `dof` > 0 degrees of freedom. */
 double statistics_student_cdf(double t, double dof);
+
+/* Factor by which a standard deviation that is known from `dof` degrees of freedom is multiplied, so that twice the
+ * product holds the truth as often as two sigma of the normal distribution do, 95.45 %: t(0.97725, dof)/2. */
+double statistics_widening(double dof);
 
 #endif

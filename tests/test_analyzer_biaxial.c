@@ -96,41 +96,27 @@ static void draw_many(const struct biaxial_model *model, uint64_t seed, struct t
     }
 }
 
-/* Independent errors, 2 Pa and 2e-5. Errors from 10 blocks of unequal leverage have 5 to 9 degrees of freedom:
- * Student's t puts 90 to 92 % within 2 u; the jackknife's overestimate adds to that. Over 200 draws the frequency
- * scatters by sqrt(0.9 x 0.1/200) = 2.1 %: at least 0.90 - 3 x 0.021 = 0.84. Ratio of claimed to true error: its square
- * is known to 10 % (200 draws), the overestimate of u is up to 20 % for the curvature of a parabola: 0.85 to 1.45.
- * Bias: the mean of 200 draws scatters by sd/sqrt(200) = 0.07 sd; the vertex has a bias of second order, which is some
- * per cent of its sd: 0.3 sd. */
-static void errors_independent(void **state)
+/* 2 Pa and 2e-5, independent or correlated by 0.6 from sample to sample, where naive errors would be half of the truth.
+ * 2u is to hold the truth in 91 % of the draws. Claimed over true error: at least 0.8 (its square is known to 10 % from
+ * 200 draws), at most 2.6: initial slopes allow for a bend within the window, which a straight line like this one has
+ * not (2.2). Bias: the mean of 200 draws scatters by 0.07 sd; the vertex has a bias of second order: 0.3 sd. */
+static void errors_hold(void **state)
 {
+    static const struct biaxial_model models[] = {
+        {.n = 501, .stress_noise_pa = 2, .strain_noise = 2e-5},
+        {.n = 2501, .stress_noise_pa = 2, .strain_noise = 2e-5, .correlation = 0.6}};
     (void)state;
-    struct tally tally[WATCHED] = {{0}};
-    draw_many(&(struct biaxial_model){.n = 501, .stress_noise_pa = 2, .strain_noise = 2e-5}, 11, tally);
-    for (int k = 0; k < WATCHED; k++) {
-        double ratio = tally[k].claimed / sqrt(tally[k].squares);
-        print_message("  %-26s covered %.3f, claimed/true %.2f, bias %.2f sd\n", quantity_key(watched[k].id),
-                      tally[k].covered, ratio, tally[k].bias / sqrt(tally[k].squares));
-        assert_true(tally[k].covered >= 0.84);
-        assert_near(ratio, 1.15, 0.30);
-        assert_near(tally[k].bias, 0, 0.3 * sqrt(tally[k].squares));
-    }
-}
-
-/* Errors correlated by 0.6 from sample to sample; naive errors would be sqrt((1 - 0.6)/(1 + 0.6)) = 0.5 of the truth.
- * 2501 samples: blocks of at least 13 samples in the shortest window (to strain 0.001: 270 of 2501) lose up to
- * 2 x 2/13 = 30 % of the variance at their edges, 16 % of the error. So 0.85 - 0.16 as lower bound. */
-static void errors_correlated(void **state)
-{
-    (void)state;
-    struct tally tally[WATCHED] = {{0}};
-    draw_many(&(struct biaxial_model){.n = 2501, .stress_noise_pa = 2, .strain_noise = 2e-5, .correlation = 0.6}, 12,
-              tally);
-    for (int k = 0; k < WATCHED; k++) {
-        double ratio = tally[k].claimed / sqrt(tally[k].squares);
-        print_message("  %-26s covered %.3f, claimed/true %.2f\n", quantity_key(watched[k].id), tally[k].covered,
-                      ratio);
-        assert_true(ratio > 0.69 && ratio < 1.45);
+    for (size_t m = 0; m < 2; m++) {
+        struct tally tally[WATCHED] = {{0}};
+        draw_many(&models[m], 11 + m, tally);
+        for (int k = 0; k < WATCHED; k++) {
+            double ratio = tally[k].claimed / sqrt(tally[k].squares);
+            print_message("  %-26s covered %.3f, claimed/true %.2f, bias %.2f sd\n", quantity_key(watched[k].id),
+                          tally[k].covered, ratio, tally[k].bias / sqrt(tally[k].squares));
+            assert_true(tally[k].covered >= 0.91);
+            assert_true(ratio > 0.8 && ratio < 2.6);
+            assert_near(tally[k].bias, 0, 0.3 * sqrt(tally[k].squares));
+        }
     }
 }
 
@@ -279,9 +265,9 @@ static void load_drops(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(exact),     cmocka_unit_test(errors_independent), cmocka_unit_test(errors_correlated),
-        cmocka_unit_test(cut_short), cmocka_unit_test(large_strains),      cmocka_unit_test(nothing_to_evaluate),
-        cmocka_unit_test(oedometer), cmocka_unit_test(wall_off),           cmocka_unit_test(load_drops),
+        cmocka_unit_test(exact),         cmocka_unit_test(errors_hold),         cmocka_unit_test(cut_short),
+        cmocka_unit_test(large_strains), cmocka_unit_test(nothing_to_evaluate), cmocka_unit_test(oedometer),
+        cmocka_unit_test(wall_off),      cmocka_unit_test(load_drops),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,126 @@
+#!/usr/bin/env bash
+# Whole studies with the real programs (SHAKEDOWN_BIN) on a small scene: test_studies.sh CASE.
+set -uo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+work=$(mktemp -d)
+cd "$work" || exit 1
+trap 'rm -rf "$work"' EXIT
+
+fail() {
+    echo "FAILED at line ${BASH_LINENO[0]}: $*"
+    tail -n 30 ./*.out 2>/dev/null
+    exit 1
+}
+
+study() { # OUTPUT ARGUMENTS...
+    local output=$1
+    shift
+    "$root/shakedown" study small.cfg --jobs 2 "$@" >"$output" 2>&1 </dev/null
+}
+
+# Four runs of a tenth of a second, two preparations.
+write_small() {
+    cat >small.cfg <<TEXT
+name = "small";
+title = "A <small> study & its report";
+scene = "$root/scenes/quick.cfg";
+set = [ "coupling.interval_steps=1", "sample.count=100", "stages.0.material.kc_n_per_m=0.0", "stages.2.sample_interval_s=5e-5" ];
+prepare = "ring";
+seeds = 2;
+vary = ( { name = "kc"; label = "k_c"; unit = "N/m"; keys = [ "material.kc_n_per_m" ]; values = [ 0.0, 1e5 ]; } );
+quantities = [ "peak.sigma_corr_pa", "initial.phi" ];
+paper = ( { quantity = "initial.phi"; where = { kc = 0.0; }; value = 0.8; source = "nowhere"; } );
+figures = (
+  { kind = "curves"; name = "stress"; title = "stress"; x = "eps_zz"; y = "sigma_zz_pa"; },
+  { kind = "points"; name = "phi"; title = "solid fraction"; x = "kc"; y = "initial.phi"; }
+);
+TEXT
+}
+
+# The study files that come with the program can be read, and their scenes too.
+case_shipped() {
+    local file
+    for file in "$root"/studies/*.cfg; do
+        "$root/shakedown" study "$(basename "$file" .cfg)" --list --out "$work/$(basename "$file" .cfg)" >list.out 2>&1 ||
+            fail "$file"
+        grep -q '^[1-9][0-9]* runs' list.out || fail "$file has no runs"
+    done
+    "$root/shakedown" study no-such-study >list.out 2>&1 && fail "a study that is not there"
+    grep -q 'there is no study no-such-study' list.out || fail "no word of it"
+}
+
+case_report() {
+    local file
+    write_small
+    study first.out --out s || fail "exit code $?"
+    for file in report.html results.json runs.csv cells.csv comparison.csv figures/{stress,phi}.{svg,pdf,png,csv,gp}; do
+        [ -s "s/$file" ] || fail "no $file"
+    done
+    [ "$(grep -o '<svg role="img" aria-label="' s/report.html | wc -l)" -eq 2 ] || fail "two figures with texts"
+    grep -q 'A &lt;small&gt; study &amp; its report' s/report.html || fail "the title is not escaped"
+    ! grep -qE '(src|href)="(https?:|/|\.)' s/report.html || fail "the report needs other files"
+    [ "$(find s/prepared -name 'prepared.h5' | wc -l)" -eq 2 ] || fail "two preparations"
+    grep -q '2 of 2\|4 of 4 done' first.out || fail "no progress"
+    # again: nothing is run, the same report
+    cp s/report.html before.html
+    study second.out --out s || fail "exit code $?"
+    ! grep -q running second.out || fail "something ran again"
+    cmp before.html s/report.html || fail "another report"
+    # a scene of the study alone gives the same analysis, so that a run can be looked at
+    "$root/shakedown" analyze --no-plots s/runs/kc_0-seed1 >alone.out 2>&1 || fail "analyze"
+}
+
+# Killed with -9 at several moments, the study goes on and gives the report of one that was not.
+case_killed() {
+    local pause pid
+    write_small
+    study whole.out --out whole || fail "exit code $?"
+    for pause in 0.05 0.2 0.4 0.6 0.8; do
+        "$root/shakedown" study small.cfg --jobs 2 --out s >"killed.out" 2>&1 </dev/null &
+        pid=$!
+        # not to wait for something, but to kill at another moment each time
+        read -rt "$pause" <> <(:)
+        kill -KILL "$pid" 2>/dev/null
+        wait "$pid" 2>/dev/null
+    done
+    study last.out --out s || fail "exit code $?"
+    cmp whole/report.html s/report.html || fail "another report"
+    cmp whole/results.json s/results.json || fail "other results"
+}
+
+# Other settings never show old numbers.
+case_changed() {
+    write_small
+    study first.out --out s || fail "exit code $?"
+    cp s/cells.csv before.csv
+    study second.out --out s --set 'material.gamma_b_kg_per_s=0.02' --report
+    [ $? -eq 9 ] || fail "the report of other settings"
+    grep -q '4 of 4 runs failed' second.out || fail "old runs count"
+    study third.out --out s --set 'material.gamma_b_kg_per_s=0.02' || fail "exit code $?"
+    ! cmp -s before.csv s/cells.csv || fail "old numbers"
+    study fourth.out --out s || fail "exit code $?"
+    cmp before.csv s/cells.csv || fail "the first settings give other numbers than before"
+}
+
+# A run that fails is tried once more, then listed; the others are reported.
+case_failing() {
+    write_small
+    mkdir bin && ln -s "$SHAKEDOWN_BIN"/* bin/ && rm bin/sim && mkdir bin/sim
+    cat >bin/sim/sim <<TEXT
+#!/bin/sh
+case \$PWD in */kc_100000-seed2) echo "I shall not"; exit 1 ;; esac
+exec "$SHAKEDOWN_BIN/sim/sim" "\$@"
+TEXT
+    chmod +x bin/sim/sim
+    SHAKEDOWN_BIN=$work/bin study first.out --out s
+    [ $? -eq 9 ] || fail "a failed run is no success"
+    grep -q 'kc_100000-seed2 failed, once more: .*not complete' first.out || fail "not tried again"
+    grep -q 'kc_100000-seed2 failed again' first.out || fail "not listed"
+    grep -q 'I shall not' first.out || fail "not its words"
+    grep -q '3 of 4 runs are in this report' s/report.html || fail "the report does not say so"
+    study second.out --out s || fail "exit code $?"
+    grep -q '4 of 4 runs are in this report' s/report.html || fail "not mended"
+}
+
+"case_$1"
