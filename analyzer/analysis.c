@@ -3,7 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "analyzer/biaxial.h"
+#include "analyzer/compression.h"
+#include "analyzer/held.h"
+#include "analyzer/shear.h"
+#include "analyzer/undrained.h"
 
 /* A residual at the last sample over the work done in the stage: the net work, or the sum of its absolute changes from
  * sample to sample where the net is below a tenth of that (cycles give back what they took). */
@@ -49,13 +52,53 @@ static void state_quantities(const struct curves *curves, struct quantity *q)
     quantity_set(&q[QUANTITY_STRESS_DIFFERENCE], (struct estimate){curves->stress_difference, NAN});
 }
 
+static void inertial_number(const struct curves *curves, struct quantity *q)
+{
+    const double *inertial = curves->column[CURVE_INERTIAL_NUMBER];
+    double largest = 0, mean = 0;
+    for (size_t k = 0; k < curves->n; k++) {
+        largest = fmax(largest, fabs(inertial[k]));
+        mean += fabs(inertial[k]) / (double)curves->n;
+    }
+    quantity_set(&q[QUANTITY_INERTIAL_MEAN], (struct estimate){curves->n ? mean : NAN, NAN});
+    quantity_set(&q[QUANTITY_INERTIAL_MAX], (struct estimate){curves->n ? largest : NAN, NAN});
+}
+
+/* What the controls of the stage make of it. */
+static enum status evaluate_kind(struct analysis *analysis)
+{
+    const struct curves *curves = &analysis->curves;
+    switch (curves->controls.kind) {
+    case TEST_CONSTANT_VOLUME:
+        undrained_evaluate(curves, analysis->quantity);
+        return shear_evaluate(curves, analysis->run.scene, analysis->quantity, &analysis->stiffness);
+    case TEST_SHEAR:
+        return shear_evaluate(curves, analysis->run.scene, analysis->quantity, &analysis->stiffness);
+    case TEST_ISOTROPIC:
+    case TEST_OEDOMETER:
+        return compression_evaluate(curves, analysis->quantity);
+    case TEST_CREEP:
+    case TEST_RELAXATION:
+        held_evaluate(curves, analysis->quantity);
+        return STATUS_OK;
+    case TEST_CYCLIC:
+        TRY(cycles_evaluate(&analysis->cycles, curves));
+        cycles_quantities(&analysis->cycles, curves, analysis->quantity);
+        return STATUS_OK;
+    default:
+        return STATUS_OK;
+    }
+}
+
 static enum status evaluate(struct analysis *analysis)
 {
     TRY(curves_extract(&analysis->curves, &analysis->run));
-    TRY(biaxial_evaluate(&analysis->curves, analysis->run.scene, analysis->quantity));
-    TRY(cycles_evaluate(&analysis->cycles, &analysis->curves));
-    cycles_quantities(&analysis->cycles, &analysis->curves, analysis->quantity);
+    for (int k = 0; k < QUANTITIES; k++)
+        quantity_undefined(&analysis->quantity[k], "not of this kind of test: %s",
+                           controls_name(&analysis->curves.controls, analysis->run.dimension));
+    TRY(evaluate_kind(analysis));
     state_quantities(&analysis->curves, analysis->quantity);
+    inertial_number(&analysis->curves, analysis->quantity);
     return STATUS_OK;
 }
 
@@ -79,63 +122,4 @@ void analysis_free(struct analysis *analysis)
     cycles_free(&analysis->cycles);
     curves_free(&analysis->curves);
     run_free(&analysis->run);
-}
-
-/* "123.4 +- 5.6" with the digits the uncertainty supports; "-" if undefined. */
-static void value_text(const struct quantity *quantity, char *text, size_t size)
-{
-    double u = quantity->uncertainty;
-    if (isnan(quantity->value)) {
-        snprintf(text, size, "%12s %12s", "-", "");
-    } else if (!(u > 0) || isinf(u)) {
-        snprintf(text, size, "%12.5g %12s", quantity->value, "");
-    } else {
-        /* two digits of the uncertainty; small numbers in powers of ten */
-        int decimals = 1 - (int)floor(log10(u)), digits = decimals + (int)floor(log10(fmax(fabs(quantity->value), u)));
-        bool power = fabs(quantity->value) < 1e-3;
-        char error[32];
-        if (power || decimals > 8)
-            snprintf(error, sizeof error, "+- %.1e", u);
-        else
-            snprintf(error, sizeof error, "+- %.*f", decimals < 0 ? 0 : decimals, u);
-        snprintf(text, size, power ? "%12.*e %12s" : "%12.*f %12s", (int)fmin(8, fmax(0, power ? digits : decimals)),
-                 quantity->value, error);
-    }
-}
-
-static void quantity_print(FILE *out, enum quantity_id id, const struct quantity *quantity)
-{
-    char value[64], window[48] = "";
-    value_text(quantity, value, sizeof value);
-    if (quantity->has_window)
-        snprintf(window, sizeof window, "[%.5g, %.5g]", quantity->window[0], quantity->window[1]);
-    const char *unit = quantity_unit(id);
-    fprintf(out, "  %-34s %s %-6s %-22s %s\n", quantity_key(id), value, strcmp(unit, "1") == 0 ? "" : unit, window,
-            quantity->text);
-}
-
-/* Of a cyclic test, what only a strain-controlled one has is left out of the table; and the other way round. */
-static bool is_shown(const struct analysis *analysis, enum quantity_id id)
-{
-    if (analysis->curves.kind != TEST_CYCLIC)
-        return !quantity_is_cyclic(id);
-    return quantity_is_cyclic(id) || isfinite(analysis->quantity[id].value);
-}
-
-void analysis_print(FILE *out, const struct analysis *analysis)
-{
-    const struct run *run = &analysis->run;
-    const struct curves *curves = &analysis->curves;
-    const char *verdict = cycles_verdict_name(analysis->cycles.verdict), axis = "xyz"[curves->axial];
-    fprintf(out, "%s: run \"%s\", seed %lld, version %s, kernels %s, %s\n", analysis->directory, run->name,
-            (long long)run->seed, run->version, run->kernel_set, run->complete ? "complete" : "INCOMPLETE");
-    fprintf(out, "stage \"%s\" (%d of %d), axial direction %c, %zu samples\n", curves->protocol->name,
-            curves->stage + 1, (int)run->scene->n_stages, axis, curves->n);
-    fprintf(out, "  %-34s %12s %12s %-6s %-22s\n", "quantity", "value", "uncertainty", "unit", "window");
-    for (int k = 0; k < QUANTITIES; k++)
-        if (is_shown(analysis, (enum quantity_id)k))
-            quantity_print(out, (enum quantity_id)k, &analysis->quantity[k]);
-    if (verdict)
-        fprintf(out, "  %-34s %12s (confidence %.3f; %zu cycles; %s)\n", "cycles.classification", verdict,
-                analysis->cycles.confidence, analysis->cycles.n, analysis->cycles.criterion);
 }

@@ -2,12 +2,11 @@
 #ifndef SHAKEDOWN_ANALYZER_ANALYSIS_H
 #define SHAKEDOWN_ANALYZER_ANALYSIS_H
 
-#include <stdio.h>
-
 #include "analyzer/curves.h"
 #include "analyzer/cycles.h"
 #include "analyzer/quantity.h"
 #include "analyzer/run_file.h"
+#include "analyzer/stiffness.h"
 #include "common/status.h"
 
 struct analysis {
@@ -15,6 +14,7 @@ struct analysis {
     struct run run;
     struct curves curves; /* points into run.scene */
     struct cycles cycles;
+    struct stiffness stiffness; /* empty unless the stage is a shear test */
     struct quantity quantity[QUANTITIES];
 };
 
@@ -23,8 +23,5 @@ struct analysis {
 enum status analysis_make(struct analysis *analysis, const char *directory) MUST_USE;
 
 void analysis_free(struct analysis *analysis);
-
-/* Prints the table of quantities for people. */
-void analysis_print(FILE *out, const struct analysis *analysis);
 
 #endif

@@ -9,7 +9,11 @@ enum status analysis_write(const struct analysis *analysis)
     char path[sizeof analysis->directory + 16];
     snprintf(path, sizeof path, "%s/curves.csv", analysis->directory);
     TRY(curves_write_csv(&analysis->curves, path));
-    if (analysis->curves.kind == TEST_CYCLIC) {
+    if (analysis->stiffness.n > 0) {
+        snprintf(path, sizeof path, "%s/stiffness.csv", analysis->directory);
+        TRY(stiffness_write_csv(&analysis->stiffness, path));
+    }
+    if (analysis->curves.controls.kind == TEST_CYCLIC) {
         snprintf(path, sizeof path, "%s/cycles.csv", analysis->directory);
         TRY(cycles_write_csv(&analysis->cycles, path));
     }

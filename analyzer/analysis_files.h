@@ -4,8 +4,8 @@
 
 #include "analyzer/analysis.h"
 
-/* Writes analysis.json, curves.csv and, for cyclic loading, cycles.csv into the run's directory. STATUS_IO,
- * STATUS_NO_MEMORY. */
+/* Writes analysis.json, curves.csv and, where the test has them, cycles.csv or stiffness.csv into the run's directory.
+ * STATUS_IO, STATUS_NO_MEMORY. */
 enum status analysis_write(const struct analysis *analysis) MUST_USE;
 
 #endif

@@ -58,67 +58,9 @@ void tensor_eigenvalues(const double *tensor, int dimension, double *eigenvalues
     eigenvalues[1] = mean - radius;
 }
 
-/* Axis index in arrays of length D (2D: x, z). */
-static int slot(int dimension, int axis)
-{
-    return dimension == 3 ? axis : (axis == AXIS_Z ? 1 : 0);
-}
-
-static bool is_cycled(const struct scene_axis *axis)
-{
-    return axis->mode == WALL_STRESS && axis->target == TARGET_COSINE;
-}
-
-static bool axis_exists(int dimension, int axis)
-{
-    return dimension == 3 || axis != AXIS_Y;
-}
-
-/* Which axis the protocol drives, and so what can be evaluated. */
-static void kind_find(struct curves *curves)
-{
-    int strained = 0, cycled = 0, strained_axis = AXIS_Z, cycled_axis = AXIS_Z;
-    for (int k = 0; k < SCENE_AXES; k++) {
-        if (!axis_exists(curves->dimension, k))
-            continue;
-        if (curves->protocol->axis[k].mode == WALL_STRAIN) {
-            strained++;
-            strained_axis = k;
-        } else if (is_cycled(&curves->protocol->axis[k])) {
-            cycled++;
-            cycled_axis = k;
-        }
-    }
-    curves->kind = strained == 1 && cycled == 0 ? TEST_STRAIN : strained == 0 && cycled == 1 ? TEST_CYCLIC : TEST_NONE;
-    curves->axial = (enum axis)(curves->kind == TEST_STRAIN ? strained_axis : cycled_axis);
-    if (curves->kind == TEST_NONE)
-        curves->axial = AXIS_Z;
-}
-
-static double lateral_pressure(const struct curves *curves)
-{
-    double sum = 0;
-    for (int k = 0; k < SCENE_AXES; k++) {
-        const struct scene_axis *axis = &curves->protocol->axis[k];
-        if (!axis_exists(curves->dimension, k) || k == (int)curves->axial)
-            continue;
-        if (axis->mode != WALL_STRESS || axis->target != TARGET_CONSTANT)
-            return NAN;
-        sum += axis->pressure_pa;
-    }
-    return sum / (curves->dimension - 1);
-}
-
-/* Axial component and mean of the lateral ones of a vector [D]. */
 static void split(const struct curves *curves, const double *vector, double *axial, double *lateral)
 {
-    int a = slot(curves->dimension, (int)curves->axial);
-    double sum = 0;
-    for (int k = 0; k < curves->dimension; k++)
-        if (k != a)
-            sum += vector[k];
-    *axial = vector[a];
-    *lateral = sum / (curves->dimension - 1);
+    controls_split(&curves->controls, curves->dimension, vector, axial, lateral);
 }
 
 static void strains_fill(struct curves *curves, const struct run *run, size_t first, size_t i)
@@ -161,14 +103,17 @@ static void stresses_fill(struct curves *curves, const struct run *run, size_t s
     curves->column[CURVE_SIGMA_XX][i] = lateral;
     curves->column[CURVE_SIGMA_D][i] = (axial - lateral) * (d - 1) / d;
     curves->column[CURVE_STRESS_RATIO][i] = pressed ? axial / lateral : NAN;
-    curves->column[CURVE_SIGMA_CORR][i] = pressed ? curves->lateral_pressure_pa * axial / lateral : NAN;
-    curves->column[CURVE_SIN_PHI][i] = axial + lateral > 0 ? (axial - lateral) / (axial + lateral) : NAN;
+    curves->column[CURVE_P][i] = p;
+    curves->column[CURVE_Q][i] = axial - lateral;
+    curves->column[CURVE_U][i] = curves->column[CURVE_P][0] - p;
+    curves->column[CURVE_SIGMA_CORR][i] = pressed ? curves->controls.lateral_pressure_pa * axial / lateral : NAN;
+    curves->column[CURVE_SIN_PHI][i] = axial + lateral > 0 ? fabs(axial - lateral) / (axial + lateral) : NAN;
     curves->column[CURVE_Q_OVER_P][i] = p > 0 ? (axial - lateral) / p : NAN;
 }
 
 static void fabric_fill(struct curves *curves, const struct run *run, size_t sample, size_t i)
 {
-    int d = curves->dimension, a = slot(d, (int)curves->axial);
+    int d = curves->dimension, a = controls_slot(d, (int)curves->controls.axial);
     const double *fabric = run_record(run, OBSERVABLE_FABRIC, sample);
     double eigenvalues[SCENE_AXES];
     tensor_eigenvalues(fabric, d, eigenvalues);
@@ -199,11 +144,13 @@ static void scalars_fill(struct curves *curves, const struct run *run, size_t sa
     };
     for (size_t k = 0; k < sizeof plain / sizeof plain[0]; k++)
         curves->column[plain[k].to][i] = *run_record(run, plain[k].from, sample);
-    double period = curves->protocol->axis[curves->axial].period_s, t = curves->column[CURVE_STAGE_TIME][i];
+    double period = curves->controls.period_s, solid = *run_record(run, OBSERVABLE_SOLID_FRACTION, sample);
+    double t = curves->column[CURVE_STAGE_TIME][i];
+    curves->column[CURVE_VOID_RATIO][i] = solid > 0 ? (1 - solid) / solid : NAN;
     curves->column[CURVE_STEP][i] = run->step[sample];
     curves->column[CURVE_TIME][i] = run->time_s[sample];
     /* times are sums of steps: allow for rounding at the end of a cycle, which belongs to the cycle that ends */
-    curves->column[CURVE_CYCLE][i] = curves->kind == TEST_CYCLIC && t > 0 ? ceil(t / period - 1e-6) : 0;
+    curves->column[CURVE_CYCLE][i] = period > 0 && t > 0 ? ceil(t / period - 1e-6) : 0;
     curves->column[CURVE_WORK][i] =
         *run_record(run, OBSERVABLE_WORK_WALLS, sample) + *run_record(run, OBSERVABLE_WORK_GRAVITY, sample);
 }
@@ -225,14 +172,18 @@ static double stress_difference(const struct run *run, size_t begin, size_t end)
 
 enum status curves_extract(struct curves *curves, const struct run *run)
 {
+    return curves_extract_stage(curves, run, scene_stage_find(run->scene, run->scene->analysis.stage));
+}
+
+enum status curves_extract_stage(struct curves *curves, const struct run *run, int stage)
+{
     size_t begin, end;
     memset(curves, 0, sizeof *curves);
     curves->dimension = run->dimension;
-    curves->stage = scene_stage_find(run->scene, run->scene->analysis.stage);
+    curves->stage = stage;
     curves->protocol = &run->scene->stage[curves->stage];
-    kind_find(curves);
-    curves->lateral_pressure_pa = lateral_pressure(curves);
     run_stage_range(run, curves->stage, &begin, &end);
+    controls_find(&curves->controls, run, stage, begin, end);
     for (int k = 0; k < CURVES; k++) {
         curves->column[k] = malloc((end - begin + 1) * sizeof **curves->column);
         if (!curves->column[k]) {

@@ -4,12 +4,14 @@
 
 #include <stddef.h>
 
+#include "analyzer/controls.h"
 #include "analyzer/run_file.h"
 #include "common/status.h"
 
-/* id, column name. zz is the axial direction and xx the mean over the lateral ones, whatever the axes are called;
- * compression is positive in stresses and in all strains, eps_v = 1 - V/V0 too. The engineering strains 1 - L/L0 have
- * logarithmic ones -ln(L/L0) beside them, which add up over any path: eps_v_log = -ln(V/V0) is their sum. */
+/* id, column name. u is p0 - p, p0 of the first sample, and sin_phi that of the mobilised friction, |sigma_zz -
+ * sigma_xx|/(sigma_zz + sigma_xx). zz is the axial direction and xx the mean over the lateral ones, whatever the axes
+ * are called; compression is positive in stresses and in all strains, eps_v = 1 - V/V0 too. The engineering strains 1 -
+ * L/L0 have logarithmic ones -ln(L/L0) beside them, which add up over any path: eps_v_log = -ln(V/V0) is their sum. */
 #define CURVE_LIST(X)                                                                                                  \
     X(STEP, "step")                                                                                                    \
     X(TIME, "time_s")                                                                                                  \
@@ -26,6 +28,9 @@
     X(SIGMA_ZZ, "sigma_zz_pa")                                                                                         \
     X(SIGMA_XX, "sigma_xx_pa")                                                                                         \
     X(SIGMA_D, "sigma_d_pa")                                                                                           \
+    X(P, "p_pa")                                                                                                       \
+    X(Q, "q_pa")                                                                                                       \
+    X(U, "u_pa")                                                                                                       \
     X(SIGMA_CORR, "sigma_corr_pa")                                                                                     \
     X(STRESS_RATIO, "stress_ratio")                                                                                    \
     X(SIN_PHI, "sin_phi")                                                                                              \
@@ -33,6 +38,7 @@
     X(CONTACT_ZZ, "sigma_zz_contact_pa")                                                                               \
     X(CONTACT_XX, "sigma_xx_contact_pa")                                                                               \
     X(SOLID_FRACTION, "solid_fraction")                                                                                \
+    X(VOID_RATIO, "void_ratio")                                                                                        \
     X(COORDINATION, "coordination")                                                                                    \
     X(COORDINATION_NO_RATTLERS, "coordination_no_rattlers")                                                            \
     X(RATTLER_FRACTION, "rattler_fraction")                                                                            \
@@ -56,19 +62,11 @@ enum curve {
         CURVES
 };
 
-enum test_kind {
-    TEST_NONE,   /* neither of the two, e.g. a relaxation */
-    TEST_STRAIN, /* exactly one axis under strain control: biaxial (2D), triaxial (3D), or oedometric */
-    TEST_CYCLIC, /* exactly one axis under cyclic stress control, none under strain control */
-};
-
 struct curves {
     int dimension;
     int stage;                          /* index in the scene */
     const struct scene_stage *protocol; /* of the run's scene: must outlive the curves */
-    enum test_kind kind;
-    enum axis axial;            /* the controlled axis; z if kind is TEST_NONE */
-    double lateral_pressure_pa; /* p_x, the mean over the lateral targets; NaN unless all are constant stresses */
+    struct controls controls;
     size_t n;
     double *column[CURVES];   /* [n] each */
     double stress_difference; /* |sigma_wall - sigma_contact| over |sigma_wall|, rms over axes and samples; NaN */
@@ -81,9 +79,10 @@ enum curve curve_volumetric_strain(int measure);
 /* Name of a column, with its unit unless it is 1. */
 const char *curve_name(enum curve curve);
 
-/* Extracts the stage scene.analysis.stage of `run`; strains count from its first sample. A stage
- * without samples gives n = 0, which is no error. Release with curves_free. Errors: STATUS_NO_MEMORY. */
+/* Extracts the stage scene.analysis.stage of `run`, or stage number `stage`; strains count from its first sample. A
+ * stage without samples gives n = 0, which is no error. Release with curves_free. Errors: STATUS_NO_MEMORY. */
 enum status curves_extract(struct curves *curves, const struct run *run) MUST_USE;
+enum status curves_extract_stage(struct curves *curves, const struct run *run, int stage) MUST_USE;
 
 void curves_free(struct curves *curves);
 

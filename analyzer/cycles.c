@@ -11,7 +11,7 @@ static const double two_sigma = 0.97725; /* one-sided probability of the normal 
 
 static double period_of(const struct curves *curves)
 {
-    return curves->protocol->axis[curves->axial].period_s;
+    return curves->controls.period_s;
 }
 
 /* A column at stage time t, linear between samples; cut at the ends. */
@@ -219,7 +219,7 @@ enum status cycles_evaluate(struct cycles *cycles, const struct curves *curves)
 {
     memset(cycles, 0, sizeof *cycles);
     cycles->confidence = NAN;
-    if (curves->kind != TEST_CYCLIC || curves->n < 2)
+    if (curves->controls.kind != TEST_CYCLIC || curves->n < 2)
         return STATUS_OK;
     double last = curves->column[CURVE_STAGE_TIME][curves->n - 1];
     cycles->n = (size_t)floor(last / period_of(curves) + 1e-6); /* times are sums of steps */
@@ -275,9 +275,9 @@ static void rate_quantity(const struct cycles *cycles, struct estimate estimate,
 void cycles_quantities(const struct cycles *cycles, const struct curves *curves, struct quantity *q)
 {
     for (int k = 0; k < QUANTITIES; k++)
-        if (quantity_is_cyclic((enum quantity_id)k))
+        if (quantity_belongs((enum quantity_id)k, TEST_CYCLIC) && !quantity_belongs((enum quantity_id)k, TEST_NONE))
             quantity_undefined(&q[k], "%s",
-                               curves->kind == TEST_CYCLIC ? "no finished cycle" : "no cyclic stress control");
+                               curves->controls.kind == TEST_CYCLIC ? "no finished cycle" : "no cyclic stress control");
     if (cycles->n == 0)
         return;
     const struct cycle *last = &cycles->cycle[cycles->n - 1];

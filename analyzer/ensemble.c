@@ -98,7 +98,7 @@ enum status ensemble_write(const struct ensemble *ensemble, const char *path)
             json_decref(root);
             return status;
         }
-        if (item.n > 0 || !quantity_is_cyclic((enum quantity_id)k))
+        if (item.n > 0 || quantity_belongs((enum quantity_id)k, TEST_NONE))
             failed |= report_json_set(root, quantity_key((enum quantity_id)k), item_json((enum quantity_id)k, &item));
     }
     if (failed) {

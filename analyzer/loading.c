@@ -27,24 +27,42 @@ static enum status allocate(struct loading *loading, size_t n)
     return status_fail(STATUS_NO_MEMORY, "out of memory for %zu samples", n);
 }
 
+static void sample_take(struct loading *loading, const struct curves *curves, size_t i, size_t k)
+{
+    static const enum curve from[] = {[LOADING_EPS_ZZ_LOG] = CURVE_EPS_ZZ_LOG,
+                                      [LOADING_EPS_XX_LOG] = CURVE_EPS_XX_LOG,
+                                      [LOADING_EPS_V_LOG] = CURVE_EPS_V_LOG,
+                                      [LOADING_EPS_D_LOG] = CURVE_EPS_D_LOG,
+                                      [LOADING_SIGMA_ZZ] = CURVE_SIGMA_ZZ,
+                                      [LOADING_SIGMA_XX] = CURVE_SIGMA_XX,
+                                      [LOADING_RATIO] = CURVE_STRESS_RATIO,
+                                      [LOADING_SIN_PHI] = CURVE_SIN_PHI,
+                                      [LOADING_Q_OVER_P] = CURVE_Q_OVER_P,
+                                      [LOADING_P] = CURVE_P,
+                                      [LOADING_Q] = CURVE_Q};
+    for (int c = 0; c < LOADING_CURVES; c++)
+        loading->y[c][k] = curves->column[from[c]][i];
+    if (loading->sign > 0)
+        return;
+    loading->y[LOADING_EPS_ZZ_LOG][k] *= -1;
+    loading->y[LOADING_Q][k] *= -1;
+    loading->y[LOADING_RATIO][k] = 1 / loading->y[LOADING_RATIO][k];
+}
+
 enum status loading_extract(struct loading *loading, const struct curves *curves, int measure)
 {
-    static const enum curve from[] = {[LOADING_EPS_ZZ_LOG] = CURVE_EPS_ZZ_LOG, [LOADING_EPS_XX_LOG] = CURVE_EPS_XX_LOG,
-                                      [LOADING_EPS_V_LOG] = CURVE_EPS_V_LOG,   [LOADING_SIGMA_ZZ] = CURVE_SIGMA_ZZ,
-                                      [LOADING_SIGMA_XX] = CURVE_SIGMA_XX,     [LOADING_RATIO] = CURVE_STRESS_RATIO,
-                                      [LOADING_SIN_PHI] = CURVE_SIN_PHI,       [LOADING_Q_OVER_P] = CURVE_Q_OVER_P};
     TRY(allocate(loading, curves->n));
     loading->measure = measure;
+    loading->sign = curves->controls.extension ? -1 : 1;
     const double *eps = curves->column[curve_axial_strain(measure)];
     double largest = -INFINITY;
     for (size_t i = 0; i < curves->n; i++) {
-        if (!(eps[i] > largest + 1e-14)) /* rounding of 1 - L/L0 is no progress */
+        const double strain = loading->sign * eps[i];
+        if (!(strain > largest + 1e-14)) /* rounding of 1 - L/L0 is no progress */
             continue;
-        size_t k = loading->n++;
-        largest = loading->eps[k] = eps[i];
-        for (int c = 0; c < LOADING_Q; c++)
-            loading->y[c][k] = curves->column[from[c]][i];
-        loading->y[LOADING_Q][k] = curves->column[CURVE_SIGMA_ZZ][i] - curves->column[CURVE_SIGMA_XX][i];
+        largest = loading->eps[loading->n] = strain;
+        loading->last = i;
+        sample_take(loading, curves, i, loading->n++);
     }
     statistics_weights(loading->eps, loading->w, loading->n);
     return STATUS_OK;
@@ -75,14 +93,24 @@ double loading_smooth(const struct loading *loading, const double *y, double eps
     return statistics_polynomial(&points, y + first, 0, 0, 2, eps, c) ? c[0] : NAN;
 }
 
+double loading_smooth_slope(const struct loading *loading, enum loading_curve which, double eps, double half)
+{
+    size_t first;
+    double c[FIT_DEGREE_MAX + 1];
+    struct points points = loading_window(loading, eps - half, eps + half, &first);
+    points.x = loading->y[LOADING_EPS_ZZ_LOG] + first;
+    return statistics_polynomial(&points, loading->y[which] + first, 0, 0, 2, loading_to_log(loading, eps), c) ? c[1]
+                                                                                                               : NAN;
+}
+
 double loading_to_log(const struct loading *loading, double eps)
 {
-    return loading->measure == STRAIN_LOGARITHMIC ? eps : -log1p(-eps);
+    return loading->measure == STRAIN_LOGARITHMIC ? eps : -loading->sign * log1p(-loading->sign * eps);
 }
 
 double loading_from_log(const struct loading *loading, double eps_log)
 {
-    return loading->measure == STRAIN_LOGARITHMIC ? eps_log : -expm1(-eps_log);
+    return loading->measure == STRAIN_LOGARITHMIC ? eps_log : -loading->sign * expm1(-loading->sign * eps_log);
 }
 
 bool loading_at(const struct loading *loading, enum loading_curve which, double eps_log, double half,

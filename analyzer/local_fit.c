@@ -46,13 +46,23 @@ static bool clean_make(struct clean *clean, const struct local_curves *curves)
             clean->y[c][clean->n] = curves->y[c][k];
         clean->n++;
     }
+    return true;
+}
+
+/* The noise in samples [begin, end), with others around if these are few: a curve that is smooth at first and rough
+ * later has two noises. */
+static bool clean_noise(struct clean *clean, size_t begin, size_t end)
+{
+    enum { FEW = 100 };
+    if (end - begin < FEW) {
+        begin = begin + end > FEW ? (begin + end - FEW) / 2 : 0;
+        end = begin + FEW < clean->n ? begin + FEW : clean->n;
+        begin = end > FEW ? end - FEW : 0;
+    }
     for (int c = 0; c < clean->count; c++)
-        if (!local_noise_estimate(clean->y[c], clean->n, &clean->noise[c]))
+        if (!local_noise_estimate(clean->y[c] + begin, end - begin, &clean->noise[c]))
             clean->noise[c] = (struct local_noise){NAN, 0};
-    if (isfinite(clean->noise[0].deviation))
-        return true;
-    clean_free(clean);
-    return false;
+    return isfinite(clean->noise[0].deviation);
 }
 
 /* Samples [begin, end) as a least squares problem in u = (x - origin)/scale, |u| <= 1, made white for a correlation. */
@@ -258,7 +268,8 @@ bool local_at(const struct local_curves *curves, double x0, double half, struct 
     search->centre = x0;
     search->half = half;
     range(&search->clean, x0, half, &search->begin, &search->end);
-    search_run(search, 1, 3, 1, evaluate_at);
+    if (clean_noise(&search->clean, search->begin, search->end))
+        search_run(search, 1, 3, 1, evaluate_at);
     if (search->n > 0)
         (void)weights(search, weight);
     for (int which = 0; search->n > 0 && which < 2; which++) {
@@ -357,7 +368,7 @@ static double coarse_place(const struct clean *clean, double narrow)
 {
     enum { GRID = 400 };
     const double first = clean->x[0], span = clean->x[clean->n - 1] - first;
-    double best = -INFINITY, place = first;
+    double best = -INFINITY, place = first; /* the correlation is not known yet, and does not matter here */
     for (int k = 0; k <= GRID; k++) {
         struct window window = {.clean = clean, .origin = first + span * k / GRID, .scale = narrow};
         double c[3], sum;
@@ -388,12 +399,16 @@ static void search_end(struct search *search, double narrow, struct local_peak *
 
 static bool search_peak(struct search *search, double narrow, struct local_peak *peak)
 {
+    if (search->clean.n < LOCAL_POINTS_MIN)
+        return false;
     const double *x = search->clean.x, first = x[0], last = x[search->clean.n - 1];
     double weight[CANDIDATES_MAX];
     search->centre = coarse_place(&search->clean, narrow);
     search->half = fmax(narrow, search->centre / 2);
     range(&search->clean, search->centre, search->half, &search->begin, &search->end);
     peak->at_end = 0;
+    if (!clean_noise(&search->clean, search->begin, search->end))
+        return false;
     if (search->centre > first + narrow / 4 && search->centre < last - narrow / 4)
         search_run(search, 2, 3, 2, evaluate_peak);
     if (search->n == 0)

@@ -17,7 +17,7 @@
 
 #include "analyzer/statistics.h"
 
-enum { LOCAL_CURVES_MAX = 12, LOCAL_POINTS_MIN = 12 };
+enum { LOCAL_CURVES_MAX = 16, LOCAL_POINTS_MIN = 12 };
 
 /* Curves over one abscissa. Samples at which the leading curve, y[0], is not finite are left out; the other curves must
  * be finite at the rest of the samples, or their results are NaN. */

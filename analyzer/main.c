@@ -10,6 +10,7 @@
 #include "analyzer/analysis_files.h"
 #include "analyzer/ensemble.h"
 #include "analyzer/plots.h"
+#include "analyzer/report_table.h"
 #include "analyzer/series.h"
 
 static const char usage[] =
@@ -64,14 +65,14 @@ static enum status report(const struct analysis *analysis, const struct options 
                 analysis->directory, analysis->run.reason[0] ? ": " : "", analysis->run.reason,
                 analysis->run.n_samples ? analysis->run.time_s[analysis->run.n_samples - 1] : 0);
     TRY(analysis_write(analysis));
-    analysis_print(stdout, analysis);
+    report_table_print(stdout, analysis);
     TRY(ensemble_add(ensemble, analysis));
     if (options->series)
         TRY(series_key_value(analysis->run.scene, options->series, &ensemble->member[ensemble->n - 1].key_value));
     if (options->plots)
         TRY(plots_write(analysis, &n_plots));
     printf("results: %s/analysis.json, curves.csv%s, %d plots (.svg, .png)\n\n", analysis->directory,
-           analysis->curves.kind == TEST_CYCLIC ? ", cycles.csv" : "", n_plots);
+           analysis->curves.controls.kind == TEST_CYCLIC ? ", cycles.csv" : "", n_plots);
     return STATUS_OK;
 }
 

@@ -60,7 +60,7 @@ static bool defined(const struct plot *plot, enum quantity_id id)
 
 static void abscissa(const struct plot *plot)
 {
-    if (plot->analysis->curves.kind == TEST_STRAIN)
+    if (plot->analysis->curves.controls.kind == TEST_SHEAR)
         fprintf(plot->out, "set xlabel 'axial strain {/Symbol e}_{zz} [%%]'\n");
     else
         fprintf(plot->out, "set xlabel 'time in stage [s]'\n");
@@ -69,7 +69,7 @@ static void abscissa(const struct plot *plot)
 static void stress_strain(const struct plot *plot)
 {
     const struct quantity *q = plot->analysis->quantity;
-    bool corrected = isfinite(plot->analysis->curves.lateral_pressure_pa);
+    bool corrected = isfinite(plot->analysis->curves.controls.lateral_pressure_pa);
     abscissa(plot);
     fprintf(plot->out, "set ylabel 'stress [N/m²]'\n");
     bool peak = defined(plot, QUANTITY_PEAK_SIGMA_CORR);
@@ -145,7 +145,7 @@ static void volumetric_strain(const struct plot *plot)
             "plot 'curves.csv' using (%s):(100*column('%s')) with lines linewidth 2 linecolor '" BLUE
             "' title '{/Symbol e}_V (compression positive)'",
             plot->x, curve_name(plot_volumetric(plot)));
-    if (plot->analysis->curves.kind == TEST_STRAIN) {
+    if (plot->analysis->curves.controls.kind == TEST_SHEAR) {
         slope_line(plot, QUANTITY_EPS_V_SLOPE_INITIAL, 1, 3, "initial");
         slope_line(plot, QUANTITY_DILATANCY_SLOPE, -1, 1, "dilatancy");
     }
@@ -237,7 +237,7 @@ static enum status script_write(const struct analysis *analysis, const struct pl
     struct plot plot = {analysis, fopen(path, "w"), "column('stage_time_s')"};
     char strain[64];
     snprintf(strain, sizeof strain, "100*column('%s')", curve_name(plot_axial(&plot)));
-    if (analysis->curves.kind == TEST_STRAIN)
+    if (analysis->curves.controls.kind == TEST_SHEAR)
         plot.x = strain;
     if (!plot.out)
         return status_fail(STATUS_IO, "%s: %s", path, strerror(errno));

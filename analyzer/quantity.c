@@ -3,16 +3,15 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 static const char *const keys[QUANTITIES] = {
-#define QUANTITY_KEY(id, key, unit) key,
+#define QUANTITY_KEY(id, key, unit, tests) key,
     QUANTITY_LIST(QUANTITY_KEY)
 #undef QUANTITY_KEY
 };
 
 static const char *const units[QUANTITIES] = {
-#define QUANTITY_UNIT(id, key, unit) unit,
+#define QUANTITY_UNIT(id, key, unit, tests) unit,
     QUANTITY_LIST(QUANTITY_UNIT)
 #undef QUANTITY_UNIT
 };
@@ -27,9 +26,14 @@ const char *quantity_unit(enum quantity_id id)
     return units[id];
 }
 
-bool quantity_is_cyclic(enum quantity_id id)
+bool quantity_belongs(enum quantity_id id, enum test_kind kind)
 {
-    return strncmp(keys[id], "cycles.", strlen("cycles.")) == 0;
+    static const unsigned tests_of[QUANTITIES] = {
+#define QUANTITY_TESTS(id, key, unit, tests) TESTS_##tests,
+        QUANTITY_LIST(QUANTITY_TESTS)
+#undef QUANTITY_TESTS
+    };
+    return (tests_of[id] >> kind & 1) != 0;
 }
 
 void quantity_undefined(struct quantity *quantity, const char *format, ...)

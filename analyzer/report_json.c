@@ -57,12 +57,12 @@ static json_t *run_json(const struct analysis *analysis)
 
 static json_t *stage_json(const struct analysis *analysis)
 {
-    static const char *const kinds[] = {"none", "strain", "cyclic"};
     const struct curves *curves = &analysis->curves;
-    char axis[2] = {"xyz"[curves->axial], '\0'};
+    char axis[2] = {"xyz"[curves->controls.axial], '\0'};
     return json_pack("{s:s, s:i, s:s, s:s, s:I, s:o}", "name", curves->protocol->name, "index", curves->stage, "kind",
-                     kinds[curves->kind], "axial", axis, "samples", (json_int_t)curves->n, "lateral_pressure_pa",
-                     report_json_number(curves->lateral_pressure_pa));
+                     controls_name(&curves->controls, curves->dimension), "axial", axis, "samples",
+                     (json_int_t)curves->n, "lateral_pressure_pa",
+                     report_json_number(curves->controls.lateral_pressure_pa));
 }
 
 static json_t *cycle_json(const struct cycle *cycle, size_t number)
@@ -94,13 +94,13 @@ static int cycles_set(json_t *root, const struct cycles *cycles)
 static json_t *analysis_json(const struct analysis *analysis)
 {
     json_t *root = json_object();
-    bool cyclic = analysis->curves.kind == TEST_CYCLIC;
+    bool cyclic = analysis->curves.controls.kind == TEST_CYCLIC;
     int failed = report_json_set(root, "run", run_json(analysis));
     failed |= report_json_set(root, "stage", stage_json(analysis));
     failed |= report_json_set(root, "analyzer_version", json_string(SHAKEDOWN_VERSION));
     failed |= report_json_set(root, "complete", json_boolean(analysis->run.complete));
     for (int k = 0; k < QUANTITIES; k++)
-        if (cyclic || !quantity_is_cyclic((enum quantity_id)k))
+        if (quantity_belongs((enum quantity_id)k, analysis->curves.controls.kind))
             failed |= report_json_set(root, quantity_key((enum quantity_id)k),
                                       report_json_quantity((enum quantity_id)k, &analysis->quantity[k]));
     if (cyclic)

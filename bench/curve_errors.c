@@ -112,7 +112,7 @@ static enum status compare(const struct loaded *reference, const struct loaded *
 {
     const struct curves *a = &l->curves, *ref = &reference->curves;
     const size_t n = a->n < ref->n ? a->n : ref->n;
-    const enum curve stress = CURVE_SIGMA_ZZ, strain = ref->kind == TEST_CYCLIC ? CURVE_EPS_D : CURVE_EPS_XX;
+    const enum curve stress = CURVE_SIGMA_ZZ, strain = ref->controls.kind == TEST_CYCLIC ? CURVE_EPS_D : CURVE_EPS_XX;
     if (n < 2 || a->column[CURVE_STAGE_TIME][n - 1] != ref->column[CURVE_STAGE_TIME][n - 1])
         return status_fail(STATUS_INCOMPLETE, "%s: its samples are not those of the reference", path);
     const double *stress_a = a->column[stress], *stress_ref = ref->column[stress];

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-#include "analyzer/biaxial.h"
 #include "analyzer/curves.h"
+#include "analyzer/shear.h"
 #include "analyzer/statistics.h"
 
 /* Closed forms: dof 1 is Cauchy, dof 2 is 1/2 + t/(2 sqrt(2 + t^2)); 2.262157162740992 is the 97.5 % point at dof 9
@@ -103,16 +103,16 @@ static void plain_mean(void **state)
 static void soil_mechanics(void **state)
 {
     (void)state;
-    struct estimate angle = biaxial_dilatancy_angle_rad((struct estimate){0.19, 0.01});
+    struct estimate angle = shear_dilatancy_angle_rad((struct estimate){0.19, 0.01}, false);
     assert_near(sin(angle.value), 0.19 / 2.19, 1e-14);
     assert_near(angle.value * 180 / M_PI, 5, 0.05);
-    assert_near(biaxial_dilatancy_angle_rad((struct estimate){0.44, 0}).value * 180 / M_PI, 10.4, 0.05);
-    assert_true(isnan(biaxial_dilatancy_angle_rad((struct estimate){-1, 0}).value));
+    assert_near(shear_dilatancy_angle_rad((struct estimate){0.44, 0}, false).value * 180 / M_PI, 10.4, 0.05);
+    assert_true(isnan(shear_dilatancy_angle_rad((struct estimate){-1, 0}, false).value));
     /* the propagated error is the derivative: compare with a difference quotient, whose error is O(h^2) = 1e-8 */
-    double up = biaxial_dilatancy_angle_rad((struct estimate){0.1901, 0}).value;
-    double down = biaxial_dilatancy_angle_rad((struct estimate){0.1899, 0}).value;
+    double up = shear_dilatancy_angle_rad((struct estimate){0.1901, 0}, false).value;
+    double down = shear_dilatancy_angle_rad((struct estimate){0.1899, 0}, false).value;
     assert_near(angle.error, 0.01 * (up - down) / 2e-4, 1e-8);
-    assert_near(biaxial_sin_phi((struct estimate){1.6, 0}).value, 0.6 / 2.6, 1e-15);
+    assert_near(shear_sin_phi((struct estimate){1.6, 0}).value, 0.6 / 2.6, 1e-15);
 }
 
 /* A tensor with eigenvalues 0.5, 0.3, 0.2 turned about two axes; the trigonometric solution loses half the digits only

@@ -1,4 +1,4 @@
-#include "analyzer/biaxial.h"
+#include "analyzer/shear.h"
 
 #include <math.h>
 
@@ -11,15 +11,15 @@ static struct estimate scaled(struct estimate estimate, double factor)
     return (struct estimate){estimate.value * factor, estimate.error * fabs(factor)};
 }
 
-struct estimate biaxial_dilatancy_angle_rad(struct estimate slope)
+struct estimate shear_dilatancy_angle_rad(struct estimate slope, bool extension)
 {
-    if (!(slope.value > -1)) /* sin psi would be -1 or less */
+    const double s = slope.value, base = extension ? 2 - s : 2 + s, sine = s / base;
+    if (!(base > 0) || !(fabs(sine) < 1))
         return (struct estimate){NAN, NAN};
-    double s = slope.value, sine = s / (2 + s);
-    return (struct estimate){asin(sine), slope.error * 2 / ((2 + s) * (2 + s)) / sqrt(1 - sine * sine)};
+    return (struct estimate){asin(sine), slope.error * 2 / (base * base) / sqrt(1 - sine * sine)};
 }
 
-struct estimate biaxial_sin_phi(struct estimate ratio)
+struct estimate shear_sin_phi(struct estimate ratio)
 {
     double r = ratio.value;
     return (struct estimate){(r - 1) / (r + 1), ratio.error * 2 / ((r + 1) * (r + 1))};
@@ -35,6 +35,11 @@ static struct estimate tangent(struct estimate sine)
 {
     double cosine = sqrt(1 - sine.value * sine.value);
     return (struct estimate){sine.value / cosine, sine.error / (cosine * cosine * cosine)};
+}
+
+static struct estimate scaled_place(struct estimate place, double sign)
+{
+    return (struct estimate){sign * place.value, place.error};
 }
 
 static void set_in_window(struct quantity *quantity, struct estimate estimate, const double *window)
@@ -75,16 +80,64 @@ static bool initial_slope_set(const struct loading *loading, enum loading_curve 
 
 static void moduli(const struct curves *curves, const struct loading *loading, double window, struct quantity *q)
 {
-    struct estimate slope;
-    double bounds[2] = {0, window};
-    if (initial_slope_set(loading, LOADING_SIGMA_ZZ, window, &q[QUANTITY_E_INITIAL], &slope) &&
-        isnan(curves->lateral_pressure_pa))
-        quantity_note(&q[QUANTITY_E_INITIAL], "lateral stress is not held constant: not Young's modulus");
-    (void)initial_slope_set(loading, LOADING_EPS_V_LOG, window, &q[QUANTITY_EPS_V_SLOPE_INITIAL], &slope);
+    static const char not_held[] = "lateral stress is not held constant";
+    const double bounds[2] = {0, window}, sign = loading->sign;
+    struct estimate slope, strain;
+    if (initial_slope_set(loading, LOADING_SIGMA_ZZ, window, &q[QUANTITY_E_INITIAL], &slope)) {
+        set_in_window(&q[QUANTITY_E_INITIAL], scaled(slope, sign), bounds);
+        if (isnan(curves->controls.lateral_pressure_pa))
+            quantity_note(&q[QUANTITY_E_INITIAL], "%s: not Young's modulus", not_held);
+    }
+    if (initial_slope_set(loading, LOADING_EPS_V_LOG, window, &q[QUANTITY_EPS_V_SLOPE_INITIAL], &slope))
+        set_in_window(&q[QUANTITY_EPS_V_SLOPE_INITIAL], scaled(slope, sign), bounds);
     if (initial_slope_set(loading, LOADING_EPS_XX_LOG, window, &q[QUANTITY_NU], &slope))
-        set_in_window(&q[QUANTITY_NU], scaled(slope, -1), bounds);
-    if (isnan(curves->lateral_pressure_pa))
-        quantity_undefined(&q[QUANTITY_NU], "lateral stress is not held constant");
+        set_in_window(&q[QUANTITY_NU], scaled(slope, -sign), bounds);
+    if (isnan(curves->controls.lateral_pressure_pa))
+        quantity_undefined(&q[QUANTITY_NU], not_held);
+    /* 2 G = dq/d(eps_zz - eps_xx) = (dq/deps_zz)/(d(eps_zz - eps_xx)/deps_zz) */
+    if (initial_slope_set(loading, LOADING_Q, window, &q[QUANTITY_G_INITIAL], &slope) &&
+        initial_slope_set(loading, LOADING_EPS_D_LOG, window, &q[QUANTITY_G_INITIAL], &strain)) {
+        const double modulus = slope.value / (2 * sign * strain.value);
+        const double error = fabs(modulus) * hypot(slope.error / slope.value, strain.error / strain.value);
+        set_in_window(&q[QUANTITY_G_INITIAL], (struct estimate){modulus, error}, bounds);
+    }
+}
+
+/* Straight lines over the whole window. */
+static void window_moduli(const struct curves *curves, const struct loading *loading, double window, struct quantity *q)
+{
+    const double bounds[2] = {0, window};
+    struct estimate slope;
+    if (slope_set(loading, LOADING_SIGMA_ZZ, 0, window, &q[QUANTITY_WINDOW_E], &slope))
+        set_in_window(&q[QUANTITY_WINDOW_E], scaled(slope, loading->sign), bounds);
+    if (slope_set(loading, LOADING_EPS_XX_LOG, 0, window, &q[QUANTITY_WINDOW_NU], &slope))
+        set_in_window(&q[QUANTITY_WINDOW_NU], scaled(slope, -loading->sign), bounds);
+    if (isnan(curves->controls.lateral_pressure_pa))
+        quantity_undefined(&q[QUANTITY_WINDOW_NU], "lateral stress is not held constant");
+}
+
+/* What a stress loses when the leading wall comes to rest at the end: its value where the motion ends, from the samples
+ * before, less that of the last half of the rest. */
+static void viscous_part(const struct curves *curves, const struct loading *loading, enum loading_curve moving,
+                         enum curve resting, struct quantity *quantity)
+{
+    enum { REST_MIN = 6 };
+    const size_t after = curves->n - 1 - loading->last, end = curves->n, half = after / 2;
+    const double last = loading->y[LOADING_EPS_ZZ_LOG][loading->n - 1];
+    struct estimate value, slope;
+    if (after < REST_MIN || curves->controls.stress_led) {
+        quantity_undefined(quantity, "the leading wall does not rest at the end of the stage");
+        return;
+    }
+    if (!loading_at(loading, moving, last, (last - loading->y[LOADING_EPS_ZZ_LOG][0]) / 10, &value, &slope)) {
+        quantity_undefined(quantity, "too few samples before the rest");
+        return;
+    }
+    double deviation;
+    struct estimate rest = statistics_plain_mean(curves->column[resting] + end - half, half, &deviation);
+    quantity_set(quantity, (struct estimate){value.value - rest.value, hypot(value.error, rest.error)});
+    quantity_window(quantity, loading->eps[loading->n - 1], loading->eps[loading->n - 1]);
+    quantity_note(quantity, "stress at the end of the motion less that at rest");
 }
 
 static void dilatancy(const struct loading *loading, const struct scene_analysis *analysis, struct quantity *q)
@@ -99,9 +152,9 @@ static void dilatancy(const struct loading *loading, const struct scene_analysis
     }
     slope = scaled(slope, -1);
     set_in_window(&q[QUANTITY_DILATANCY_SLOPE], slope, window);
-    struct estimate angle = biaxial_dilatancy_angle_rad(slope);
+    struct estimate angle = shear_dilatancy_angle_rad(slope, loading->sign < 0);
     if (isnan(angle.value))
-        quantity_undefined(&q[QUANTITY_DILATANCY_ANGLE], "slope %g is at or below -1", slope.value);
+        quantity_undefined(&q[QUANTITY_DILATANCY_ANGLE], "slope %g belongs to no angle", slope.value);
     else
         set_in_window(&q[QUANTITY_DILATANCY_ANGLE], scaled(angle, degrees), window);
 }
@@ -122,11 +175,11 @@ static void peak(const struct curves *curves, const struct loading *loading, str
             quantity_undefined(&q[peak_ids[k]], "too few samples to look for a peak");
         return;
     }
-    struct estimate sine = biaxial_sin_phi(found.value);
-    const struct estimate values[PEAK_IDS] = {scaled(found.value, curves->lateral_pressure_pa),
+    struct estimate sine = shear_sin_phi(found.value);
+    const struct estimate values[PEAK_IDS] = {scaled(found.value, curves->controls.lateral_pressure_pa),
                                               found.along[LOADING_SIGMA_ZZ],
                                               found.along[LOADING_SIGMA_XX],
-                                              found.eps,
+                                              scaled_place(found.eps, loading->sign),
                                               found.value,
                                               sine,
                                               tangent(sine),
@@ -138,7 +191,7 @@ static void peak(const struct curves *curves, const struct loading *loading, str
             quantity_note(&q[peak_ids[k]], "no peak: the stress ratio %s",
                           found.at_end > 0 ? "still rises at the last sample" : "falls from the first sample");
     }
-    if (isnan(curves->lateral_pressure_pa))
+    if (isnan(curves->controls.lateral_pressure_pa))
         quantity_undefined(&q[QUANTITY_PEAK_SIGMA_CORR], "lateral stress is not held constant");
 }
 
@@ -219,11 +272,11 @@ static void residual(const struct curves *curves, const struct loading *loading,
             quantity_undefined(&q[final_ids[k]], "no stress in the last %g of the strain", analysis->residual_strain);
         return;
     }
-    const struct estimate values[FINAL_IDS] = {scaled(ratio, curves->lateral_pressure_pa), ratio, sine, angle_deg(sine),
-                                               q_over_p};
+    const struct estimate values[FINAL_IDS] = {scaled(ratio, curves->controls.lateral_pressure_pa), ratio, sine,
+                                               angle_deg(sine), q_over_p};
     for (int k = 0; k < FINAL_IDS; k++)
         set_in_window(&q[final_ids[k]], values[k], window);
-    if (isnan(curves->lateral_pressure_pa))
+    if (isnan(curves->controls.lateral_pressure_pa))
         quantity_undefined(&q[QUANTITY_RESIDUAL_SIGMA_CORR], "lateral stress is not held constant");
 }
 
@@ -233,28 +286,35 @@ static void all_undefined(struct quantity *q, const char *reason)
         quantity_undefined(&q[k], "%s", reason);
 }
 
-enum status biaxial_evaluate(const struct curves *curves, const struct scene *scene, struct quantity *quantities)
+static void loading_evaluate(const struct curves *curves, const struct loading *loading,
+                             const struct scene_analysis *analysis, struct quantity *q, struct stiffness *stiffness)
+{
+    moduli(curves, loading, analysis->modulus_strain, q);
+    window_moduli(curves, loading, analysis->modulus_strain, q);
+    viscous_part(curves, loading, LOADING_SIGMA_ZZ, CURVE_SIGMA_ZZ, &q[QUANTITY_VISCOUS_ZZ]);
+    viscous_part(curves, loading, LOADING_SIGMA_XX, CURVE_SIGMA_XX, &q[QUANTITY_VISCOUS_XX]);
+    secant_modulus(loading, analysis->modulus_strain, &q[QUANTITY_E50]);
+    if (curves->controls.kind == TEST_CONSTANT_VOLUME) {
+        quantity_undefined(&q[QUANTITY_DILATANCY_SLOPE], "the volume is kept");
+        quantity_undefined(&q[QUANTITY_DILATANCY_ANGLE], "the volume is kept");
+    } else {
+        dilatancy(loading, analysis, q);
+    }
+    peak(curves, loading, q);
+    residual(curves, loading, analysis, q);
+    stiffness_evaluate(stiffness, curves, loading, q);
+}
+
+enum status shear_evaluate(const struct curves *curves, const struct scene *scene, struct quantity *quantities,
+                           struct stiffness *stiffness)
 {
     struct loading loading;
-    if (curves->kind != TEST_STRAIN) {
-        all_undefined(quantities, curves->kind == TEST_CYCLIC ? "cyclic stress control: see cycles"
-                                                              : "the stage has not exactly one strain-controlled axis");
-        return STATUS_OK;
-    }
-    if (curves->protocol->axis[curves->axial].strain <= 0) {
-        all_undefined(quantities, "the strain-controlled axis is not compressed");
-        return STATUS_OK;
-    }
+    *stiffness = (struct stiffness){0};
     TRY(loading_extract(&loading, curves, scene->analysis.strain));
-    if (loading.n < 2) {
+    if (loading.n < 2)
         all_undefined(quantities, loading.n ? "the stage has no strain yet" : "the stage has no samples");
-    } else {
-        moduli(curves, &loading, scene->analysis.modulus_strain, quantities);
-        secant_modulus(&loading, scene->analysis.modulus_strain, &quantities[QUANTITY_E50]);
-        dilatancy(&loading, &scene->analysis, quantities);
-        peak(curves, &loading, quantities);
-        residual(curves, &loading, &scene->analysis, quantities);
-    }
+    else
+        loading_evaluate(curves, &loading, &scene->analysis, quantities, stiffness);
     loading_free(&loading);
     return STATUS_OK;
 }
