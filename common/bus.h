@@ -18,6 +18,7 @@
     X(SAMPLE)                                                                                                          \
     X(FRAME_PARTICLES)                                                                                                 \
     X(FRAME_CONTACTS)                                                                                                  \
+    X(NOTE)                                                                                                            \
     X(CHECKPOINT)                                                                                                      \
     X(END)
 

@@ -78,6 +78,12 @@ static bool check_frame_contacts(const union message *message)
            (frame->n_sliding == 0 || frame->n_sliding == frame->count);
 }
 
+static bool check_note(const union message *message)
+{
+    const shakedown_note_t *note = &message->note;
+    return note->stage >= -1 && note->severity >= 0 && note->severity < NOTE_SEVERITIES;
+}
+
 static bool check_checkpoint(const union message *message)
 {
     const shakedown_checkpoint_t *checkpoint = &message->checkpoint;
@@ -132,6 +138,7 @@ static bool check_status(const union message *message)
     X(RECORD_SAMPLE, sample, SAMPLE_T)                                                                                 \
     X(RECORD_FRAME_PARTICLES, frame_particles, FRAME_PARTICLES_T)                                                      \
     X(RECORD_FRAME_CONTACTS, frame_contacts, FRAME_CONTACTS_T)                                                         \
+    X(RECORD_NOTE, note, NOTE_T)                                                                                       \
     X(RECORD_CHECKPOINT, checkpoint, CHECKPOINT_T)                                                                     \
     X(RECORD_END, end, END_T)                                                                                          \
     X(MESSAGE_WALL_STATE, wall_state, WALL_STATE_T)                                                                    \

@@ -7,6 +7,7 @@
 #include <shakedown_end_t.h>
 #include <shakedown_frame_contacts_t.h>
 #include <shakedown_frame_particles_t.h>
+#include <shakedown_note_t.h>
 #include <shakedown_particles_t.h>
 #include <shakedown_record_ack_t.h>
 #include <shakedown_run_info_t.h>
@@ -27,6 +28,9 @@ enum {
     MESSAGE_LOGGED_KINDS = MESSAGE_RECORD_ACK /* kinds below may stand in a log */
 };
 
+/* Of note_t. */
+enum note_severity { NOTE_PLAIN, NOTE_DOUBTFUL, NOTE_FAILED, NOTE_SEVERITIES };
+
 /* Every type starts with the header. */
 union message {
     struct {
@@ -38,6 +42,7 @@ union message {
     shakedown_sample_t sample;
     shakedown_frame_particles_t frame_particles;
     shakedown_frame_contacts_t frame_contacts;
+    shakedown_note_t note;
     shakedown_checkpoint_t checkpoint;
     shakedown_end_t end;
     shakedown_wall_state_t wall_state;

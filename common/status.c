@@ -23,27 +23,25 @@ const char *status_message(void)
 
 const char *status_text(enum status status)
 {
-    static const char *const texts[] = {
-#define STATUS_TEXT(name, code, text) text,
+    switch (status) {
+#define STATUS_TEXT(name, code, text)                                                                                  \
+    case STATUS_##name:                                                                                                \
+        return text;
         STATUS_LIST(STATUS_TEXT)
 #undef STATUS_TEXT
-    };
-    return texts[status];
+    }
+    return "unknown status";
 }
 
 int status_exit_code(enum status status)
 {
-    static const int codes[] = {
-#define STATUS_CODE(name, code, text) code,
-        STATUS_LIST(STATUS_CODE)
-#undef STATUS_CODE
-    };
-    return codes[status];
+    return (int)status;
 }
 
 int status_report(const char *program, enum status status)
 {
     if (status != STATUS_OK)
-        fprintf(stderr, "%s: error: %s\n", program, last_message[0] ? last_message : status_text(status));
+        fprintf(stderr, "%s: %s%s\n", program,
+                status == STATUS_DOUBTFUL ? "" : "error: ", last_message[0] ? last_message : status_text(status));
     return status_exit_code(status);
 }

@@ -5,7 +5,7 @@
 #define MUST_USE          __attribute__((warn_unused_result))
 #define PRINTF_LIKE(f, a) __attribute__((format(printf, f, a)))
 
-/* name, process exit code, text */
+/* name, number (in messages, files and as a process's exit code), text */
 #define STATUS_LIST(X)                                                                                                 \
     X(OK, 0, "ok")                                                                                                     \
     X(USAGE, 2, "wrong command line")                                                                                  \
@@ -18,10 +18,11 @@
     X(INCOMPLETE, 9, "messages are missing")                                                                           \
     X(UNSTABLE, 10, "the simulation became unstable")                                                                  \
     X(LIMIT, 11, "a limit was exceeded")                                                                               \
+    X(DOUBTFUL, 12, "the run ended, but its result is doubtful")                                                       \
     X(INTERRUPTED, 130, "interrupted")
 
 enum status {
-#define STATUS_ENUM(name, code, text) STATUS_##name,
+#define STATUS_ENUM(name, code, text) STATUS_##name = (code),
     STATUS_LIST(STATUS_ENUM)
 #undef STATUS_ENUM
 };

@@ -289,6 +289,11 @@ static enum status take_sample(struct recording *recording, const shakedown_samp
     return run_writer_sample(recording->writer, sample);
 }
 
+static enum status take_note(struct recording *recording, const shakedown_note_t *message)
+{
+    return run_writer_note(recording->writer, message);
+}
+
 static enum status take_frame_particles(struct recording *recording, const shakedown_frame_particles_t *chunk)
 {
     bool full;
@@ -326,6 +331,8 @@ static enum status take_record(struct recording *recording, int kind, const unio
         return take_frame_particles(recording, &message->frame_particles);
     case RECORD_FRAME_CONTACTS:
         return take_frame_contacts(recording, &message->frame_contacts);
+    case RECORD_NOTE:
+        return take_note(recording, &message->note);
     default:
         return STATUS_OK; /* CHECKPOINT, END: all that matters was checked before */
     }

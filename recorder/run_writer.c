@@ -9,6 +9,7 @@
 
 /* Wall rows come at up to 20 kHz: compressed fast, in whole chunks. Sample rows are few and are wanted after a kill. */
 enum { SAMPLE_BLOCK = 256, WALL_BLOCK = 1024, CONTACT_BLOCK = 4096, FRAME_BLOCK = 64 };
+enum { NOTE_BLOCK = 8, NOTE_BYTES = 512 };
 enum { WALL_DEFLATE = 1, FRAME_DEFLATE = 4, FRAME_CHUNK_PARTICLES = 16384 };
 
 #define TRAJECTORY  "/particles/trajectory"
@@ -92,6 +93,8 @@ struct run_writer {
     struct table *samples;
     struct table *wall_states, *wall_commands; /* NULL: not recorded */
     int64_t contacts;
+    struct h5_series notes;
+    hid_t note_type; /* its texts */
 };
 
 /* Remembers that the file is not to be trusted with more. */
@@ -262,6 +265,24 @@ static enum status walls_create(struct run_writer *writer)
     return table_create(&writer->wall_commands, writer->file, &options);
 }
 
+/* A text of NOTE_BYTES, ended by a zero; to be closed. */
+static enum status note_type(hid_t *type)
+{
+    *type = H5Tcopy(H5T_C_S1);
+    if (*type < 0 || H5Tset_size(*type, NOTE_BYTES) < 0 || H5Tset_cset(*type, H5T_CSET_UTF8) < 0)
+        return status_fail(STATUS_NO_MEMORY, "no type for notes");
+    return STATUS_OK;
+}
+
+static enum status notes_start(struct run_writer *writer)
+{
+    const struct h5_layout layout = {.chunk = {NOTE_BLOCK}};
+    TRY(note_type(&writer->note_type));
+    if (writer->resumed)
+        return h5_series_open(writer->file, "/notes", writer->note_type, 1, NULL, &writer->notes);
+    return h5_series_create(writer->file, "/notes", writer->note_type, 1, NULL, &layout, "1", &writer->notes);
+}
+
 static enum status contents_create(struct run_writer *writer, const shakedown_run_info_t *info, bool walls)
 {
     TRY(h5md_create(writer->file));
@@ -270,6 +291,7 @@ static enum status contents_create(struct run_writer *writer, const shakedown_ru
     TRY(frames_create(writer));
     TRY(box_create(writer->file));
     TRY(samples_create(writer));
+    TRY(notes_start(writer));
     if (walls)
         TRY(walls_create(writer));
     return h5_file_flush(writer->file);
@@ -284,6 +306,7 @@ static enum status writer_new(struct run_writer **result, const shakedown_run_in
     writer->facts = (struct run_facts){info->dimension, info->n_particles, 2 * info->dimension, info->frictional != 0};
     for (int id = 0; id < N_SERIES; id++)
         writer->series[id].id = H5I_INVALID_HID;
+    writer->notes.id = writer->note_type = H5I_INVALID_HID;
     return STATUS_OK;
 }
 
@@ -340,6 +363,8 @@ static enum status contents_resume(struct run_writer *writer, const char *path, 
     TRY(frames_resume(writer, (hsize_t)info->resumed_frames));
     struct table_options options = samples_options(writer);
     TRY(table_open(&writer->samples, writer->file, &options, (hsize_t)info->resumed_total[RECORD_SAMPLE], false));
+    TRY(notes_start(writer));
+    TRY(h5_series_cut(&writer->notes, (hsize_t)info->resumed_total[RECORD_NOTE]));
     if (walls) {
         options = walls_options(writer, false);
         TRY(table_open(&writer->wall_states, writer->file, &options, (hsize_t)info->resumed_wall_states, true));
@@ -408,6 +433,18 @@ enum status run_writer_wall_state(struct run_writer *writer, const shakedown_wal
 enum status run_writer_wall_command(struct run_writer *writer, const shakedown_wall_command_t *command)
 {
     return note(writer, table_append(writer->wall_commands, command));
+}
+
+/* "stage;severity;text"; a semicolon in the name of a stage becomes a comma. */
+enum status run_writer_note(struct run_writer *writer, const shakedown_note_t *message)
+{
+    static const char *const severities[NOTE_SEVERITIES] = {"note", "doubtful", "failed"};
+    char text[NOTE_BYTES] = "", stage[NOTE_BYTES] = "";
+    snprintf(stage, sizeof stage, "%s", message->stage_name);
+    for (char *sign = strchr(stage, ';'); sign; sign = strchr(sign, ';'))
+        *sign = ',';
+    snprintf(text, sizeof text, "%.200s;%s;%s", stage, severities[message->severity], message->text);
+    return note(writer, h5_series_append(&writer->notes, 1, text));
 }
 
 /* One row to each series; data NULL: that series is not in this run. Ends at N_SERIES. */
@@ -549,6 +586,9 @@ static enum status all_close(struct run_writer *writer)
 {
     for (int id = 0; id < N_SERIES; id++)
         TRY(h5_series_close(&writer->series[id]));
+    TRY(h5_series_close(&writer->notes));
+    if (H5Tclose(writer->note_type) < 0)
+        return status_fail(STATUS_IO, "run.h5: a type cannot be closed");
     TRY(table_close(writer->samples));
     TRY(table_close(writer->wall_states));
     TRY(table_close(writer->wall_commands));

@@ -35,6 +35,9 @@ enum status run_writer_sample(struct run_writer *writer, const shakedown_sample_
 enum status run_writer_wall_state(struct run_writer *writer, const shakedown_wall_state_t *state) MUST_USE;
 enum status run_writer_wall_command(struct run_writer *writer, const shakedown_wall_command_t *command) MUST_USE;
 
+/* Writes a note as one line of text. */
+enum status run_writer_note(struct run_writer *writer, const shakedown_note_t *message) MUST_USE;
+
 /* Writes a full frame. */
 enum status run_writer_particle_frame(struct run_writer *writer, const struct particle_frame *frame) MUST_USE;
 enum status run_writer_contact_frame(struct run_writer *writer, const struct contact_frame *frame) MUST_USE;

@@ -159,6 +159,21 @@ static void check_walls(hid_t file, const struct synthetic_options *options)
 }
 
 /* Everything of the synthetic run is in the file, once, and the file says that it is complete. */
+static void check_notes(hid_t file)
+{
+    static const char *const lines[] = {"only;note;at rest", "on,ly;doubtful;residual 2 %"};
+    hid_t set = H5Dopen2(file, "/notes", H5P_DEFAULT), type = H5Dget_type(set), space = H5Dget_space(set);
+    assert_int_equal(H5Sget_simple_extent_npoints(space), 2);
+    const size_t size = H5Tget_size(type);
+    char *texts = calloc(2, size);
+    assert_non_null(texts);
+    assert_true(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts) >= 0);
+    for (size_t k = 0; k < 2; k++)
+        assert_string_equal(texts + k * size, lines[k]);
+    free(texts);
+    assert_true(H5Sclose(space) >= 0 && H5Tclose(type) >= 0 && H5Dclose(set) >= 0);
+}
+
 static void check_run(const struct bench *bench)
 {
     const struct synthetic_options *options = &bench->run.options;
@@ -176,6 +191,7 @@ static void check_run(const struct bench *bench)
     assert_true(read_attribute(file, "/parameters", "run_id") == (double)options->run_id);
     assert_true(read_text_is(file, "/parameters", "scene_text", "# \xc3\xbc"));
     assert_true(read_text_is(file, "/", "reason", ""));
+    check_notes(file);
     assert_true(H5Fclose(file) >= 0);
 }
 
@@ -430,7 +446,7 @@ static void test_misfits(void **state)
     options.n_particles = 260;
     synthetic_create(&other, &options);
     give(&bench, &bench.run.messages[0]);
-    for (int kind = RECORD_PARTICLES; kind < RECORD_CHECKPOINT; kind++) {
+    for (int kind = RECORD_PARTICLES; kind < RECORD_NOTE; kind++) {
         size_t last_chunk = kind == RECORD_PARTICLES ? 2 : 0; /* the one that would go beyond N */
         for (size_t k = 0; k < last_chunk; k++)
             give(&bench, &bench.run.messages[find(&bench.run, kind, (int)k)]);
@@ -439,6 +455,8 @@ static void test_misfits(void **state)
         for (int k = (int)last_chunk; k < bench.run.next_seq[kind]; k++)
             give(&bench, &bench.run.messages[find(&bench.run, kind, k)]);
     }
+    for (int k = 0; k < bench.run.next_seq[RECORD_NOTE]; k++)
+        give(&bench, &bench.run.messages[find(&bench.run, RECORD_NOTE, k)]);
     give(&bench, &bench.run.messages[find(&bench.run, RECORD_CHECKPOINT, 0)]);
     give(&bench, &bench.run.messages[bench.run.count - 1]);
     finish_complete(&bench);

@@ -79,6 +79,8 @@ static struct synthetic_message encode(int kind, const union message *message)
         ENCODE(frame_particles);
     case RECORD_FRAME_CONTACTS:
         ENCODE(frame_contacts);
+    case RECORD_NOTE:
+        ENCODE(note);
     case RECORD_CHECKPOINT:
         ENCODE(checkpoint);
     case RECORD_END:
@@ -293,6 +295,15 @@ static void add_wall_exchange(struct synthetic_run *run, int64_t state)
     synthetic_add(run, MESSAGE_WALL_COMMAND, &message);
 }
 
+static void add_notes(struct synthetic_run *run)
+{
+    union message message = {.note = {.step = 10, .stage = 0, .stage_name = "only", .text = "at rest"}};
+    synthetic_add(run, RECORD_NOTE, &message);
+    message = (union message){
+        .note = {.step = 900, .stage = 0, .stage_name = "on;ly", .severity = NOTE_DOUBTFUL, .text = "residual 2 %"}};
+    synthetic_add(run, RECORD_NOTE, &message);
+}
+
 static void add_checkpoint(struct synthetic_run *run)
 {
     int64_t total[RECORD_CHANNELS];
@@ -330,6 +341,7 @@ void synthetic_create(struct synthetic_run *run, const struct synthetic_options 
     int64_t state = 0;
     add_run_info(run);
     add_particles(run);
+    add_notes(run);
     for (int frame = 0; frame < options->n_frames; frame++) {
         add_frame_particles(run, frame);
         add_frame_contacts(run, frame);
