@@ -437,13 +437,14 @@ static struct number slope_fit(const double *x, const double *y, int n)
     return (struct number){slope, sqrt(rest / (n - 2) / xx)};
 }
 
-struct number decay_fit(const double *time_s, const double *value, int n, double target)
+/* Largest distances from the target between crossings, as logarithms; how many. */
+static int swings_find(const double *time_s, const double *value, int n, double target, double *time, double *log_size,
+                       int most)
 {
-    enum { SWINGS_MAX = 1000, SWINGS_MIN = 4 };
-    static const double noise = 1e-3; /* of the largest swing: what is left below it is another, slower motion */
-    double time[SWINGS_MAX], log_size[SWINGS_MAX], largest = 0;
+    static const double noise = 1e-2; /* of the largest swing: below it other motions are seen */
+    double largest = 0;
     int swings = 0;
-    for (int k = 0; k < n && swings < SWINGS_MAX;) {
+    for (int k = 0; k < n && swings < most;) {
         bool above = value[k] > target;
         int top = k;
         for (; k < n && (value[k] > target) == above; k++)
@@ -456,9 +457,42 @@ struct number decay_fit(const double *time_s, const double *value, int n, double
         time[swings] = time_s[top];
         log_size[swings++] = log(size);
     }
-    if (swings < SWINGS_MIN)
-        return (struct number){NAN, NAN};
-    struct number slope = slope_fit(time, log_size, swings);
+    return swings;
+}
+
+/* The same of every sample from the largest distance to the first below a fiftieth of it. */
+static int approach_find(const double *time_s, const double *value, int n, double target, double *time,
+                         double *log_size)
+{
+    int top = 0, found = 0;
+    for (int k = 1; k < n; k++)
+        if (fabs(value[k] - target) > fabs(value[top] - target))
+            top = k;
+    for (int k = top; k < n && fabs(value[k] - target) > 0.02 * fabs(value[top] - target); k++) {
+        time[found] = time_s[k];
+        log_size[found++] = log(fabs(value[k] - target));
+    }
+    return found;
+}
+
+struct number decay_fit(const double *time_s, const double *value, int n, double target)
+{
+    enum { SWINGS_MIN = 4, SAMPLES_MIN = 5 };
+    struct number none = {NAN, NAN};
+    double *time = malloc((size_t)n * 2 * sizeof *time + 1), *log_size = time + n;
+    if (!time || n < SAMPLES_MIN) {
+        free(time);
+        return none;
+    }
+    if (!isfinite(target))
+        target = value[n - 1];
+    int found = swings_find(time_s, value, n, target, time, log_size, n);
+    if (found < SWINGS_MIN)
+        found = approach_find(time_s, value, n, target, time, log_size);
+    struct number slope = found < SWINGS_MIN ? none : slope_fit(time, log_size, found);
+    free(time);
+    if (!(slope.value < 0))
+        return none;
     return (struct number){-1 / slope.value, slope.uncertainty / (slope.value * slope.value)};
 }
 

@@ -91,8 +91,9 @@ double spread_error(const struct spread *spread);
  * sin phi = (b - 1)/(b + 1), c = a (1 - sin phi)/(2 cos phi). Least squares for n > 2. NaN where there is none. */
 void tangent_fit(const double *sigma_3, const double *sigma_1, int n, double number[TANGENT_KEYS]);
 
-/* Time in which swings about the last value die away: through the logarithms of the largest distances between crossings
- * a straight line by least squares; tau and its standard error, NaN with fewer than 4 swings above the noise. */
+/* Time in which a value comes to `target` (NaN: its last value): a straight line by least squares through the
+ * logarithms of its largest distances between crossings; with fewer than 4 such swings, of all distances from the
+ * largest to a fiftieth of it. tau and its standard error; NaN where there is no approach. */
 struct number decay_fit(const double *time_s, const double *value, int n, double target);
 
 #endif

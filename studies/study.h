@@ -76,7 +76,7 @@ struct study_evaluation {
     char name[CONFIG_STRING_MAX];
     char series[CONFIG_STRING_MAX];
     char column[CONFIG_STRING_MAX]; /* decay: of curves.csv */
-    double target;                  /* decay: what it comes to rest at */
+    double target;                  /* decay: what it comes to rest at; NaN: its last value */
     double from_s, to_s;            /* decay: window in the time of the stage; to_s 0: to its end */
     char along[CONFIG_STRING_MAX];  /* tangent: factor whose levels are the confining stresses */
     char major[CONFIG_STRING_MAX];  /* tangent: quantity that is the major stress */

@@ -211,7 +211,14 @@ static void decays_are_found(void **state)
     struct number tau = decay_fit(time, value, N, 400);
     assert_true(fabs(tau.value / 2.3e-3 - 1) < 0.01);
     assert_true(tau.uncertainty > 0 && tau.uncertainty < 0.01 * 2.3e-3);
-    assert_true(isnan(decay_fit(time, value, 60, 400).value)); /* too few swings */
+    for (int k = 0; k < N;
+         k++) /* without swings, to its last value, which is 1e-4 of the first off: 0.5 % of a fiftieth */
+        value[k] = 400 + 50 * exp(-time[k] / 2.1e-3);
+    tau = decay_fit(time, value, N, NAN);
+    assert_true(fabs(tau.value / 2.1e-3 - 1) < 0.01);
+    for (int k = 0; k < N; k++)
+        value[k] = exp(time[k] / 2e-3);
+    assert_true(isnan(decay_fit(time, value, N, 0).value)); /* it goes away */
 }
 
 static void tables_are_read(void **state)
