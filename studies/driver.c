@@ -76,7 +76,7 @@ static enum status execute(const struct driver *driver, const struct execution *
     if (driver->report_only)
         return judge_all(execution, outcome);
     TRY(plan_write(execution->plan, execution->out));
-    return execute_local(execution, outcome);
+    return driver->slurm ? execute_slurm(execution, outcome) : execute_local(execution, outcome);
 }
 
 static enum status failures_tell(const struct plan *plan, const struct outcome *outcome)
@@ -94,7 +94,9 @@ static enum status run_and_report(const struct driver *driver, const struct stud
 {
     struct outcome *outcome = calloc((size_t)plan->n_runs + 1, sizeof *outcome);
     char *command = NULL, bin[PATH_MAX];
-    struct execution execution = {plan, out, bin, driver->jobs ? driver->jobs : cores()};
+    struct execution execution = {plan, out, bin, driver->jobs, driver->sbatch};
+    if (driver->jobs == 0 && !driver->slurm)
+        execution.jobs = cores();
     if (!outcome)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
     enum status status = command_text(driver, study, file, &command);

@@ -13,7 +13,9 @@ struct driver {
     const char *bin;
     const char *set[DRIVER_SET_MAX];
     int n_set;
-    int jobs; /* 0: as many as there are cores */
+    int jobs; /* 0: as many as there are cores, or as Slurm likes */
+    bool slurm;
+    const char *sbatch; /* more options of sbatch; "": none */
     bool report_only, list_only;
 };
 

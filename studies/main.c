@@ -18,6 +18,8 @@ static const char usage[] =
     "  --out DIR        default: runs/study-NAME\n"
     "  --jobs N         runs at a time; default: all cores\n"
     "  --set KEY=VALUE  of the scene of every run; of the study itself: study.KEY, e.g. study.seeds=3\n"
+    "  --executor local|slurm    processes here, or a job array of Slurm\n"
+    "  --sbatch OPTIONS of sbatch, e.g. '--partition=long --time=60'\n"
     "  --report         only the report, of what is there\n"
     "  --list           only say which runs there are, and whether they are done\n"
     "  --reference      print the keys of a study file\n";
@@ -52,6 +54,14 @@ static enum status option_take(struct options *options, int c)
             return status_fail(STATUS_USAGE, "more than %d --set", DRIVER_SET_MAX);
         driver->set[driver->n_set++] = optarg;
         return STATUS_OK;
+    case 'e':
+        driver->slurm = strcmp(optarg, "slurm") == 0;
+        if (driver->slurm || strcmp(optarg, "local") == 0)
+            return STATUS_OK;
+        return status_fail(STATUS_USAGE, "--executor %s: local or slurm", optarg);
+    case 'B':
+        driver->sbatch = optarg;
+        return STATUS_OK;
     case 'b':
         driver->bin = optarg;
         return STATUS_OK;
@@ -66,12 +76,13 @@ static enum status option_take(struct options *options, int c)
 static enum status options_read(int argc, char **argv, struct options *options)
 {
     int report = 0, list = 0, help = 0, reference = 0, c;
-    const struct option known[] = {{"out", required_argument, NULL, 'o'},  {"jobs", required_argument, NULL, 'j'},
-                                   {"set", required_argument, NULL, 's'},  {"bin", required_argument, NULL, 'b'},
-                                   {"task", required_argument, NULL, 't'}, {"report", no_argument, &report, 1},
-                                   {"list", no_argument, &list, 1},        {"reference", no_argument, &reference, 1},
-                                   {"help", no_argument, &help, 1},        {0}};
-    *options = (struct options){0};
+    const struct option known[] = {{"out", required_argument, NULL, 'o'},    {"executor", required_argument, NULL, 'e'},
+                                   {"sbatch", required_argument, NULL, 'B'}, {"jobs", required_argument, NULL, 'j'},
+                                   {"set", required_argument, NULL, 's'},    {"bin", required_argument, NULL, 'b'},
+                                   {"task", required_argument, NULL, 't'},   {"report", no_argument, &report, 1},
+                                   {"list", no_argument, &list, 1},          {"reference", no_argument, &reference, 1},
+                                   {"help", no_argument, &help, 1},          {0}};
+    *options = (struct options){.driver = {.sbatch = ""}};
     while ((c = getopt_long(argc, argv, "o:h", known, NULL)) != -1)
         if (c != 0)
             TRY(option_take(options, c));

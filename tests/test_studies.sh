@@ -71,6 +71,36 @@ case_report() {
     "$root/shakedown" analyze --no-plots s/runs/kc_0-seed1 >alone.out 2>&1 || fail "analyze"
 }
 
+# In a real browser, without a network: no word in its console, every figure there and of a size, with its text.
+case_browser() {
+    local browser=()
+    command -v chromium >/dev/null || { echo "SKIPPED: chromium is not installed"; exit 77; }
+    write_small
+    study first.out --out s || fail "exit code $?"
+    cat >look.html <<'TEXT'
+<!DOCTYPE html><meta charset="utf-8"><title>look</title><iframe src="s/report.html" width="1000" height="800"></iframe><pre></pre>
+<script>
+onload = () => {
+    const page = document.querySelector('iframe').contentDocument;
+    const figures = [...page.querySelectorAll('figure > svg[role=img]')].filter(svg => {
+        const box = svg.getBoundingClientRect();
+        return box.width > 300 && box.height > 200 && svg.querySelectorAll('path').length > 10 && svg.getAttribute('aria-label');
+    });
+    const ids = [...page.querySelectorAll('[id]')].map(e => e.id);
+    const absent = [...page.querySelectorAll('use')].filter(e => !page.getElementById((e.getAttribute('xlink:href') || '#').slice(1)));
+    document.querySelector('pre').textContent = `figures ${figures.length}, repeated ids ${ids.length - new Set(ids).size}, `
+        + `uses of nothing ${absent.length}, tables ${page.querySelectorAll('table').length}`;
+};
+</script>
+TEXT
+    [ "$(id -u)" -ne 0 ] || browser=(--no-sandbox)
+    HOME=$work "$root/tests/in_namespace.sh" timeout 60 chromium --headless "${browser[@]}" --disable-gpu \
+        --user-data-dir="$work/profile" --allow-file-access-from-files --enable-logging=stderr --virtual-time-budget=5000 \
+        --dump-dom "file://$work/look.html" >dom.out 2>browser.out || fail "chromium"
+    ! grep CONSOLE browser.out || fail "words in the console"
+    grep -q 'figures 2, repeated ids 0, uses of nothing 0, tables 3' dom.out || fail "the page"
+}
+
 # Killed with -9 at several moments, the study goes on and gives the report of one that was not.
 case_killed() {
     local pause pid
