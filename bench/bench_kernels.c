@@ -72,9 +72,18 @@ static const struct {
              {"kick", kick_part, PER_PARTICLE},
              {"advance", advance_part, PER_PARTICLE}};
 
+static struct contact_model contact_model(struct model model)
+{
+    return (struct contact_model){.dimension = model.dimension,
+                                  .normal = model.hysteretic ? LAW_HYSTERETIC : LAW_LINEAR,
+                                  .frictional = model.frictional,
+                                  .single = model.single};
+}
+
 static struct kernels kernels_of(enum instruction_set isa, struct model model)
 {
-    return kernels_select(isa, model.dimension, model.hysteretic, model.frictional, model.single);
+    const struct contact_model contacts = contact_model(model);
+    return kernels_select(isa, &contacts);
 }
 
 static struct contact_law_constants law_of(struct model model)
@@ -89,7 +98,7 @@ static struct contact_law_constants law_of(struct model model)
                                .mu_d = 0.3,
                                .kt_n_per_m = 2e4,
                                .gamma_t_kg_per_s = 0.02};
-    return contact_law_constants_of(&m);
+    return contact_law_constants_of(&m, contact_model(model).normal);
 }
 
 static enum status place(struct sample *s, struct random *random)
@@ -115,15 +124,17 @@ static void history(struct contact_list *list, int k, const double *d, struct ra
 {
     double along = 0, d2 = 0;
     contact_list_clear(list, k);
-    if (list->hysteretic)
-        list->history[k] = 2e-5 * random_uniform(random);
-    for (int c = 0; c < list->n_springs; c++) {
-        list->spring[c][k] = 2e-5 * (random_uniform(random) - 0.5);
-        along += list->spring[c][k] * d[c];
+    double *const *spring = &list->history[HISTORY_SPRING];
+    const int springs = contact_model_springs(&list->model);
+    if (history_has(&list->model, HISTORY_MAX_OVERLAP))
+        list->history[HISTORY_MAX_OVERLAP][k] = 2e-5 * random_uniform(random);
+    for (int c = 0; c < springs; c++) {
+        spring[c][k] = 2e-5 * (random_uniform(random) - 0.5);
+        along += spring[c][k] * d[c];
         d2 += d[c] * d[c];
     }
-    for (int c = 0; c < list->n_springs && list->n_springs == 3; c++)
-        list->spring[c][k] -= along * d[c] / d2;
+    for (int c = 0; c < springs && springs == 3; c++)
+        spring[c][k] -= along * d[c] / d2;
 }
 
 static void add(struct contact_list *list, int i, int j, const double *d, double reach, struct random *random)
@@ -145,9 +156,7 @@ static void add_pair(struct sample *s, int i, int j, struct random *random)
 
 static enum status list_init(struct contact_list *list, const struct sample *s, int capacity)
 {
-    list->hysteretic = s->model.hysteretic;
-    list->n_springs = s->p.n_rotations;
-    list->single = s->model.single;
+    list->model = contact_model(s->model);
     return contact_list_reserve(list, capacity, s->model.dimension);
 }
 

@@ -229,7 +229,9 @@ static double bytes_moved(const struct sample *sample)
     const struct particles *p = &sample->particles;
     const int d = p->dimension, s = p->n_rotations, real = p->single ? 4 : 8;
     const int record = 8 * RECORD_STRIDE(d, s > 0, p->single), rows = SUMS_BYTES(d, s > 0, p->single);
-    const int history = ((s && p->single ? 2 * s : s) + (s > 0) + sample->pairs.hysteretic) * real;
+    int history = 0;
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        history += history_has(&sample->pairs.model, c) ? real : 0;
     const int slot = 4 + real + (p->single ? (d + 1) * real : 0) + 2 * history;
     const int positions = d * real, velocities = (d + s) * real, radius = s ? real : 0;
     const int pair =

@@ -156,7 +156,7 @@ static const struct part {
 static void report(struct bench *bench, const struct part *part, const struct timing *t, double step_us)
 {
     const struct sample *sample = bench->sample;
-    const char *precision = sample->pairs.single ? "mixed" : "double", *isa = instruction_set_name(sample->isa);
+    const char *precision = sample->pairs.model.single ? "mixed" : "double", *isa = instruction_set_name(sample->isa);
     double n = bench->n[part->per] ? bench->n[part->per] : 1, ns = 1e3 * t->least_us / n;
     printf("%-6s %-9s %-7s %9.2f %9.2f %5.0f %% %9.2f ns per %-12s", precision, isa, part->name, t->least_us,
            t->median_us, 100 * t->least_us / step_us, ns, per_name[part->per]);
@@ -178,8 +178,7 @@ static enum status measure_isa(struct bench *bench, enum instruction_set isa)
     const int blocks = isa == ISA_reference ? BLOCKS_OF_REFERENCE : BLOCKS;
     double step_us = 0;
     sample->isa = isa;
-    sample->kernels = kernels_select(isa, sample->particles.dimension, sample->pairs.hysteretic,
-                                     sample->pairs.n_springs > 0, sample->pairs.single);
+    sample->kernels = kernels_select(isa, &sample->pairs.model);
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
         struct timing timing;
         if (k == 0)

@@ -55,3 +55,13 @@ double scene_total_time_s(const struct scene *scene)
         total += scene->stage[k].duration_s;
     return total;
 }
+
+const char *scene_law_name(int law)
+{
+    static const char *const names[] = {
+#define CONTACT_LAW_NAME(name, NAME) #name,
+        CONTACT_LAWS(CONTACT_LAW_NAME)
+#undef CONTACT_LAW_NAME
+    };
+    return names[law];
+}

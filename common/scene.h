@@ -14,7 +14,14 @@ enum { SCENE_STAGES_MAX = 1024, SCENE_AXES = 3, SCENE_WALLS_MAX = 6 };
 
 enum axis { AXIS_X, AXIS_Y, AXIS_Z };
 
-enum contact_law { LAW_LINEAR, LAW_HYSTERETIC };
+/* Normal laws of contacts: X(name, NAME). Scenes may have those of higher rank beside those of lower. */
+#define CONTACT_LAWS(X) X(linear, LINEAR) X(hysteretic, HYSTERETIC)
+enum contact_law {
+#define CONTACT_LAW_ENUM(name, NAME) LAW_##NAME,
+    CONTACT_LAWS(CONTACT_LAW_ENUM)
+#undef CONTACT_LAW_ENUM
+        LAW_COUNT
+};
 
 /* [D] = David et al. 2007, [LH] = Luding & Herrmann 2001 */
 struct scene_material {
@@ -157,6 +164,9 @@ void scene_print_reference(FILE *out);
 /* What the scene needs modelled, over all stages. */
 bool scene_is_frictional(const struct scene *scene);
 bool scene_is_hysteretic(const struct scene *scene);
+
+/* Name of an enum contact_law. */
+const char *scene_law_name(int law);
 
 /* Number of walls (4 or 6), and the axis of the k-th pair of walls: 2D has x, z; 3D x, y, z. */
 int scene_wall_count(const struct scene *scene);

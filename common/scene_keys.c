@@ -7,7 +7,8 @@
 
 #define OF(type, member) offsetof(struct type, member)
 
-static const char *const law_names[] = {"linear", "hysteretic", NULL};
+#define CONTACT_LAW_NAME(name, NAME) #name,
+static const char *const law_names[] = {CONTACT_LAWS(CONTACT_LAW_NAME) NULL};
 static const char *const mode_names[] = {"fixed", "strain", "stress", NULL};
 static const char *const opposite_names[] = {"fixed", "mirror", "constant", NULL};
 static const char *const target_names[] = {"constant", "ramp", "cosine", NULL};

@@ -173,14 +173,16 @@ static void check_history(const struct sample *from, const struct sample *to)
             old++;
         if (old == from->pairs.count)
             continue;
-        if (to->pairs.hysteretic && from->pairs.hysteretic)
-            assert_true(contact_list_history(&to->pairs, k) == contact_list_history(&from->pairs, old));
-        for (int c = 0; c < to->pairs.n_springs; c++)
+        if (history_has(&to->pairs.model, HISTORY_MAX_OVERLAP) && history_has(&from->pairs.model, HISTORY_MAX_OVERLAP))
+            assert_true(contact_list_value(&to->pairs, HISTORY_MAX_OVERLAP, k) ==
+                        contact_list_value(&from->pairs, HISTORY_MAX_OVERLAP, old));
+        for (int c = 0; c < contact_model_springs(&to->pairs.model); c++)
             assert_true(contact_list_spring(&to->pairs, c, k) ==
-                        (from->pairs.n_springs ? contact_list_spring(&from->pairs, c, old) : 0));
-        touching += to->pairs.hysteretic && contact_list_history(&to->pairs, k) > 0;
+                        (from->pairs.model.frictional ? contact_list_spring(&from->pairs, c, old) : 0));
+        touching += history_has(&to->pairs.model, HISTORY_MAX_OVERLAP) &&
+                    contact_list_value(&to->pairs, HISTORY_MAX_OVERLAP, k) > 0;
     }
-    assert_true(!to->pairs.hysteretic || touching > 0);
+    assert_true(!history_has(&to->pairs.model, HISTORY_MAX_OVERLAP) || touching > 0);
 }
 
 static void start_from(const struct sample *from, const struct model *model, uint64_t *hash)

@@ -100,7 +100,7 @@ static int check_deal(struct contact_list *list, int n_particles, int width, int
     assert_in_range(SET_WIDTH * list->n_sets, width * all, width * most);
     free(taken);
     free(used);
-    if (list->single && width == HALF_WIDTH)
+    if (list->model.single && width == HALF_WIDTH)
         check_apart(list);
     if (others)
         *others = n_others;
@@ -115,7 +115,7 @@ static void check_repeats(const struct contact_list *list, int n_particles, int 
     for (int k = 0; k < list->count; k++)
         add(&again, list->i[k], list->j[k]);
     again.search_max = list->search_max;
-    again.single = list->single;
+    again.model.single = list->model.single;
     for (int round = 0; round < 2; round++) {
         must(slot_assignment_make(&again, n_particles, width, SPAN_WIDTH, &deal));
         assert_memory_equal(again.slot, list->slot, (size_t)list->count * sizeof *list->slot);
@@ -189,7 +189,7 @@ static void every_pair_has_one_slot(void **state)
                 add(&list, a, b + (b >= a));
             }
             list.search_max = pairs % 3 ? 12 : 0;
-            list.single = c % 2;
+            list.model.single = c % 2;
             check_deal(&list, count[c], pairs % 5 < 3 ? HALF_WIDTH : SET_WIDTH, NULL);
             check_repeats(&list, count[c], pairs % 5 < 3 ? HALF_WIDTH : SET_WIDTH);
             contact_list_free(&list);
@@ -214,7 +214,7 @@ static void crowded_blocks_get_their_sets(void **state)
     assert_int_equal(others, crowd.count - (CROWD - 1)); /* each has the next one as a partner */
     assert_true(others > 0.8 * rows * SET_WIDTH);
     check_repeats(&crowd, CROWD, SET_WIDTH);
-    star.single = crowd.single = true;
+    star.model.single = crowd.model.single = true;
     check_deal(&star, STAR + 1, HALF_WIDTH, NULL);
     check_deal(&crowd, CROWD, HALF_WIDTH, NULL);
     contact_list_free(&star);

@@ -146,7 +146,7 @@ static double sticking_error(int dimension, int steps)
     /* kept for the middle of the step: zero now (2D: along (-n1, n0), that is -x) */
     struct contact_list *floor = &f.sample->walls[2 * (dimension - 1)].contacts;
     contact_list_read(floor);
-    floor->spring[0][0] = (dimension == 2 ? -1 : 1) * 0.5 * f.sample->dt * v0;
+    floor->history[HISTORY_SPRING][0] = (dimension == 2 ? -1 : 1) * 0.5 * f.sample->dt * v0;
     must(contact_list_close(floor, p, &f.sample->walls[2 * (dimension - 1)]));
     fixture_steps(&f, steps);
     double expected = v0 * exp(-eta * t) * (cos(omega * t) - eta / omega * sin(omega * t));
@@ -347,7 +347,7 @@ static void turn_pair(int dimension, double tilt)
         p->inv_mass[i] = p->inv_inertia[i] = 0;
     for (int c = 0; c < dimension; c++)
         middle[c] = 0.5 * (p->x[c][0] + p->x[c][1]);
-    double *const *spring = f.sample->pairs.spring;
+    double *const *spring = &f.sample->pairs.history[HISTORY_SPRING];
     contact_list_read(&f.sample->pairs);
     if (dimension == 2)
         spring[0][0] = length;
@@ -359,7 +359,7 @@ static void turn_pair(int dimension, double tilt)
         rotate_once(&f, middle, about, 2 * PI / N / f.sample->dt, branch);
     }
     contact_list_read(&f.sample->pairs);
-    for (int c = 0; c < f.sample->pairs.n_springs; c++)
+    for (int c = 0; c < contact_model_springs(&f.sample->pairs.model); c++)
         length2 += spring[c][0] * spring[c][0];
     /* both positions, about 0.2 m, are rounded by 2.8e-17 m a step */
     assert_close("stored", sqrt(length2), length, N * 2 * 2.8e-17);

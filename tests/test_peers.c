@@ -293,9 +293,10 @@ static void contacts_forget(void **state)
     struct fixture f = fixture_pair(&options, 1e-5, 0.01);
     f.sample->particles.v[1][0] = 0.01;
     fixture_steps(&f, 10);
-    assert_true(contact_list_history(&f.sample->pairs, 0) > 0 && contact_list_spring(&f.sample->pairs, 1, 0) != 0);
+    assert_true(contact_list_value(&f.sample->pairs, HISTORY_MAX_OVERLAP, 0) > 0 &&
+                contact_list_spring(&f.sample->pairs, 1, 0) != 0);
     must(prepare_forget(f.sample));
-    assert_true(contact_list_history(&f.sample->pairs, 0) == 0);
+    assert_true(contact_list_value(&f.sample->pairs, HISTORY_MAX_OVERLAP, 0) == 0);
     for (int c = 0; c < 3; c++)
         assert_true(contact_list_spring(&f.sample->pairs, c, 0) == 0);
     fixture_close(&f);

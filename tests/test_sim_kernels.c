@@ -11,6 +11,7 @@
 #include "sim/base/aligned_array.h"
 #include "sim/base/random.h"
 #include "sim/kernels/kernels.h"
+#include "sim/law/normal_hysteretic.h"
 
 enum { WIDEST = SET_WIDTH, CONTACTS_MAX = 2 * WIDEST + 1, REPEATS = 3 };
 
@@ -52,6 +53,14 @@ static double choose(struct random *random, const double *list, int n)
 #define CHOOSE(random, ...)                                                                                            \
     choose(random, (const double[]){__VA_ARGS__}, (int)(sizeof((double[]){__VA_ARGS__}) / sizeof(double)))
 
+static struct contact_model contact_model(struct model model)
+{
+    return (struct contact_model){.dimension = model.dimension,
+                                  .normal = model.hysteretic ? LAW_HYSTERETIC : LAW_LINEAR,
+                                  .frictional = model.frictional,
+                                  .single = model.single};
+}
+
 /* kc = 0, k1 = k2, mu = 0 and above 1, kt = 0 (a stage without friction in a scene with it), dt = 0 (forces anew). */
 static struct contact_law_constants random_law(struct random *random, struct model model)
 {
@@ -68,7 +77,7 @@ static struct contact_law_constants random_law(struct random *random, struct mod
         .kt_n_per_m = CHOOSE(random, 0, 2e4, 2e4),
         .gamma_t_kg_per_s = CHOOSE(random, 0, 0.05),
     };
-    return contact_law_constants_of(&m);
+    return contact_law_constants_of(&m, contact_model(model).normal);
 }
 
 static void random_particles(struct particles *p, int count, struct model model, struct random *random)
@@ -103,26 +112,24 @@ static double random_overlap(struct random *random)
 static double random_history(const struct contact_law_constants *law, double overlap, struct random *random)
 {
     double d = fabs(overlap);
-    return CHOOSE(random, 0, d, 1.1 * d, 2 * d, 10 * d, law->branch_ratio * d, 1e-5);
+    return CHOOSE(random, 0, d, 1.1 * d, 2 * d, 10 * d, law->normal[HYSTERETIC_BRANCH_RATIO] * d, 1e-5);
 }
 
 static void random_state(struct contact_list *list, int k, const struct contact_law_constants *law, double overlap,
                          struct random *random)
 {
     double size = CHOOSE(random, 0, 1e-9, 1e-7, 1e-5, 1e-3); /* from none over sticking to sliding */
-    if (list->hysteretic)
-        list->history[k] = random_history(law, overlap, random);
-    if (list->n_springs)
-        list->sliding[k] = one_of(random, 2);
-    for (int c = 0; c < list->n_springs; c++)
-        list->spring[c][k] = between(random, -size, size);
+    if (history_has(&list->model, HISTORY_MAX_OVERLAP))
+        list->history[HISTORY_MAX_OVERLAP][k] = random_history(law, overlap, random);
+    if (list->model.frictional)
+        list->history[HISTORY_SLIDING][k] = one_of(random, 2);
+    for (int c = 0; c < contact_model_springs(&list->model); c++)
+        list->history[HISTORY_SPRING + c][k] = between(random, -size, size);
 }
 
 static void list_init(struct contact_list *list, int count, struct model model)
 {
-    list->hysteretic = model.hysteretic;
-    list->single = model.single;
-    list->n_springs = !model.frictional ? 0 : model.dimension == 2 ? 1 : 3;
+    list->model = contact_model(model);
     must(contact_list_reserve(list, count + 1, model.dimension));
     list->count = count;
 }
@@ -194,15 +201,11 @@ typedef void guard_each(void *array, size_t used, size_t size);
 
 static void guard_list(struct contact_list *list, guard_each *each)
 {
-    const size_t real = list->single ? sizeof(float) : sizeof(double);
+    const size_t real = list->model.single ? sizeof(float) : sizeof(double);
     const size_t used = real * (size_t)list->n_sets * SET_WIDTH;
     const size_t size = list->n_sets ? real * ((size_t)list->slots.capacity * SET_WIDTH + ARRAY_PADDING) : 0;
-    each(list->slots.history, used, size);
-    each(list->slots.sliding, used, size);
-    for (int c = 0; c < 3; c++) {
-        each(list->slots.spring[c], used, size);
-        each(list->slots.rest[c], used, size);
-    }
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        each(list->slots.history[c], used, size);
 }
 
 static void guard_doubles(double *array, int count, guard_each *each)
@@ -274,12 +277,8 @@ static void lists_compare(struct contact_list *a, struct contact_list *b)
 {
     contact_list_read(a);
     contact_list_read(b);
-    same_bits("history", a->history, b->history, a->count);
-    same_bits("sliding", a->sliding, b->sliding, a->count);
-    for (int c = 0; c < 3; c++) {
-        same_bits("spring", a->spring[c], b->spring[c], a->count);
-        same_bits("rest", a->rest[c], b->rest[c], a->count);
-    }
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        same_bits(history_field(c)->name, a->history[c], b->history[c], a->count);
 }
 
 /* The sums of forces and moments but for those of the padding, which may differ in the sign of zero. */
@@ -371,7 +370,8 @@ static void losses_compare(const struct contact_losses *a, const struct contact_
 
 static struct kernels kernels_of(enum instruction_set isa, struct model model)
 {
-    return kernels_select(isa, model.dimension, model.hysteretic, model.frictional, model.single);
+    const struct contact_model contacts = contact_model(model);
+    return kernels_select(isa, &contacts);
 }
 
 /* A force evaluation and a step, as in integrate.c. */
@@ -473,7 +473,7 @@ static void mixed_forces_are_those_in_double(void **state)
             for (int c = 0; c < model.dimension; c++)
                 for (int i = 0; i < a.p.count; i++)
                     assert_close("force", b.p.a[c][i] * a.p.mass[i], a.p.a[c][i] * a.p.mass[i],
-                                 CONTACTS_MAX * (1e-7 * size + 1e-11 * a.law.k2));
+                                 CONTACTS_MAX * (1e-7 * size + 1e-11 * a.law.stiffness));
             bench_free(&a);
             bench_free(&b);
         }
@@ -489,9 +489,9 @@ static void hysteretic_without_hysteresis_is_linear(void **state)
             hysteretic.hysteretic = 1;
             struct bench a = bench_of(seed, CONTACTS_MAX, hysteretic), b = bench_of(seed, CONTACTS_MAX, hysteretic);
             struct kernels ka = kernels_of(ISA_reference, hysteretic), kb = kernels_of(ISA_reference, linear);
-            a.law.k1 = a.law.k2;
-            a.law.kc = a.law.k2_minus_k1 = a.law.branch_ratio = a.law.loading_loss = a.law.adhesion_loss = 0;
-            b.law = a.law;
+            const struct scene_material same = {.law = LAW_LINEAR, .kn_n_per_m = a.law.stiffness};
+            memcpy(a.law.normal, contact_law_constants_of(&same, LAW_HYSTERETIC).normal, sizeof a.law.normal);
+            memcpy(b.law.normal, contact_law_constants_of(&same, LAW_LINEAR).normal, sizeof b.law.normal);
             (void)ka.drift(&a.p, 0, 0, INFINITY);
             (void)kb.drift(&b.p, 0, 0, INFINITY);
             ka.pair(&a.p, &a.pairs, 0, a.pairs.slots.n_spans, &a.law, a.dt, a.p.force, &a.losses);
@@ -500,7 +500,8 @@ static void hysteretic_without_hysteresis_is_linear(void **state)
             contact_list_read(&a.pairs);
             contact_list_read(&b.pairs);
             for (int c = 0; c < 3; c++)
-                same_bits("spring", a.pairs.spring[c], b.pairs.spring[c], CONTACTS_MAX);
+                same_bits("spring", a.pairs.history[HISTORY_SPRING + c], b.pairs.history[HISTORY_SPRING + c],
+                          CONTACTS_MAX);
             assert_true(a.losses.hysteresis == 0);
             bench_free(&a);
             bench_free(&b);

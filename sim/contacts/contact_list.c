@@ -15,38 +15,25 @@ enum status contact_list_reserve(struct contact_list *list, int capacity, int di
     TRY(array_resize(&list->j, sizeof *list->j, size, keep));
     TRY(array_resize(&list->slot, sizeof *list->slot, size, keep));
     TRY(array_resize(&list->reach, sizeof(double), size, keep));
-    if (list->hysteretic)
-        TRY(array_resize(&list->history, sizeof(double), size, keep));
-    for (int c = 0; c < list->n_springs; c++) {
-        TRY(array_resize(&list->spring[c], sizeof(double), size, keep));
-        TRY(array_resize(&list->rest[c], sizeof(double), size, keep));
-    }
-    if (list->n_springs)
-        TRY(array_resize(&list->sliding, sizeof *list->sliding, size, keep));
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        if (history_has(&list->model, c))
+            TRY(array_resize(&list->history[c], sizeof(double), size, keep));
     list->capacity = capacity;
     return STATUS_OK;
 }
 
 void contact_list_carry(struct contact_list *to, int t, const struct contact_list *from, int f)
 {
-    if (to->hysteretic)
-        to->history[t] = from->history[f];
-    if (to->n_springs)
-        to->sliding[t] = from->sliding[f];
-    for (int c = 0; c < to->n_springs; c++) {
-        to->spring[c][t] = from->spring[c][f];
-        to->rest[c][t] = from->rest[c][f];
-    }
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        if (history_has(&to->model, c))
+            to->history[c][t] = from->history[c][f];
 }
 
 void contact_list_clear(struct contact_list *to, int t)
 {
-    if (to->hysteretic)
-        to->history[t] = 0;
-    if (to->n_springs)
-        to->sliding[t] = 0;
-    for (int c = 0; c < to->n_springs; c++)
-        to->spring[c][t] = to->rest[c][t] = 0;
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        if (history_has(&to->model, c))
+            to->history[c][t] = 0;
 }
 
 enum status contact_list_work(struct contact_list *list, size_t count, size_t kept)
@@ -65,11 +52,9 @@ void contact_list_free(struct contact_list *list)
     free(list->j);
     free(list->slot);
     free(list->reach);
-    free(list->history);
-    free(list->sliding);
-    for (int c = 0; c < 3; c++) {
-        free(list->spring[c]);
-        free(list->rest[c]);
+    for (int c = 0; c < HISTORY_COLUMNS; c++) {
+        free(list->history[c]);
+        free(list->slots.history[c]);
     }
     free(list->scratch);
     free(list->slots.span);
@@ -79,11 +64,5 @@ void contact_list_free(struct contact_list *list)
     for (int c = 0; c < 3; c++)
         free(list->slots.built[c]);
     free(list->slots.reach);
-    free(list->slots.history);
-    free(list->slots.sliding);
-    for (int c = 0; c < 3; c++) {
-        free(list->slots.spring[c]);
-        free(list->slots.rest[c]);
-    }
     memset(list, 0, sizeof *list);
 }

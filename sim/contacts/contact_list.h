@@ -7,6 +7,7 @@
 
 #include "common/scene.h"
 #include "sim/grains/particles.h"
+#include "sim/law/contact_history.h"
 #include "sim/law/contact_law.h"
 
 /* What kernels take at a time: a set, of two halves; and what a range of a list is made of, a span of particles, which
@@ -35,29 +36,21 @@ struct contact_slots {
     uint32_t *first;   /* [2 n_sets] pairs: the first of the particles i of each half */
     uint32_t *partner; /* [slots] where the record of j starts [doubles]; walls: that of i */
     float *built[3];   /* single: x_i - x_j when the lists were built [unit]; not of walls */
-    float *gap;      /* single: (a_i + a_j)^2 less that distance's square [unit^2]; of walls the overlap then [unit] */
-    void *reach;     /* a_i + a_j [unit], walls a_i [m] */
-    void *history;   /* as below [unit] */
-    void *spring[3]; /* of i against j */
-    void *rest[3];   /* single: what rounding left out of spring */
-    void *sliding;
+    float *gap;  /* single: (a_i + a_j)^2 less that distance's square [unit^2]; of walls the overlap then [unit] */
+    void *reach; /* a_i + a_j [unit], walls a_i [m] */
+    void *history[HISTORY_COLUMNS]; /* of i against j, lengths in units; NULL: the model has no such column */
 };
 
-/* Candidates for contact with their history, sorted by (i, j). Open candidates have zero history and force. The history
- * (history, spring, rest, sliding) is that of the last contact_list_read; contact_list_close hands it over to the
- * kernels. */
+/* Candidates for contact, sorted by (i, j). Open candidates have zero history and force. The history belongs to the
+ * slots as soon as the list is closed; until then, and after contact_list_read, the list has a copy in its own order.
+ */
 struct contact_list {
     int count, capacity;
-    int32_t *i;        /* [count] */
-    int32_t *j;        /* [count] other particle, i < j; in the list of a wall: particles->count */
-    double *reach;     /* a_i + a_j, walls a_i [m] */
-    double *history;   /* delta_max [m]; hysteretic law only */
-    double *spring[3]; /* tangential spring at the middle of the step to come [m]: 1 component in 2D, 3 in 3D */
-    double *rest[3];   /* what is missing in it; 0 unless single */
-    double *sliding;   /* 1: slides, 0: sticks */
-    int n_springs;     /* 0 without friction */
-    bool hysteretic;
-    bool single;      /* the kernels keep the history in float */
+    int32_t *i;                       /* [count] */
+    int32_t *j;                       /* [count] other particle, i < j; in the list of a wall: particles->count */
+    double *reach;                    /* a_i + a_j, walls a_i [m] */
+    double *history[HISTORY_COLUMNS]; /* [count] a copy in the order of the list: contact_list_read */
+    struct contact_model model;
     bool closed;      /* the kernels have the history */
     int search_max;   /* particles asked for room before a set is added (slot_assignment.h); 0: as many as ever pay */
     int n_sets;       /* that the kernels go through; set by contact_list_close */
@@ -80,8 +73,9 @@ struct wall {
 /* Brings the members' history up to date with what the kernels did; to be called before it is read. */
 void contact_list_read(struct contact_list *list);
 
-/* The history of member k as it is now, without contact_list_read. */
-double contact_list_history(const struct contact_list *list, int k);
+/* Column c of the history of member k as it is now, without contact_list_read; a spring with what rounding left out;
+ * whether a contact slides. */
+double contact_list_value(const struct contact_list *list, int c, int k);
 double contact_list_spring(const struct contact_list *list, int component, int k);
 bool contact_list_slides(const struct contact_list *list, int k);
 

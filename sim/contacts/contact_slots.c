@@ -9,33 +9,28 @@
 static enum status slots_reserve(struct contact_list *list, int dimension)
 {
     struct contact_slots *slots = &list->slots;
-    const size_t real = list->single ? sizeof(float) : sizeof(double);
+    const size_t real = list->model.single ? sizeof(float) : sizeof(double);
     if (list->n_sets <= slots->capacity)
         return STATUS_OK;
     size_t sets = (size_t)list->n_sets + (size_t)list->n_sets / 8;
     size_t size = sets * SET_WIDTH;
     TRY(array_resize(&slots->first, sizeof *slots->first, 2 * sets, 0));
     TRY(array_resize(&slots->partner, sizeof *slots->partner, size, 0));
-    for (int c = 0; list->single && c < dimension; c++)
+    for (int c = 0; list->model.single && c < dimension; c++)
         TRY(array_resize(&slots->built[c], sizeof(float), size, 0));
-    if (list->single)
+    if (list->model.single)
         TRY(array_resize(&slots->gap, sizeof(float), size, 0));
     TRY(array_resize(&slots->reach, real, size, 0));
-    if (list->hysteretic)
-        TRY(array_resize(&slots->history, real, size, 0));
-    for (int c = 0; c < list->n_springs; c++) {
-        TRY(array_resize(&slots->spring[c], real, size, 0));
-        TRY(array_resize(&slots->rest[c], real, size, 0));
-    }
-    if (list->n_springs)
-        TRY(array_resize(&slots->sliding, real, size, 0));
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        if (history_has(&list->model, c))
+            TRY(array_resize(&slots->history[c], real, size, 0));
     slots->capacity = (int)sets;
     return STATUS_OK;
 }
 
 static void put(const struct contact_list *list, void *array, size_t slot, double value)
 {
-    if (list->single)
+    if (list->model.single)
         ((float *)array)[slot] = (float)value;
     else
         ((double *)array)[slot] = value;
@@ -43,30 +38,30 @@ static void put(const struct contact_list *list, void *array, size_t slot, doubl
 
 static double get(const struct contact_list *list, const void *array, size_t slot)
 {
-    return list->single ? ((const float *)array)[slot] : ((const double *)array)[slot];
+    return list->model.single ? ((const float *)array)[slot] : ((const double *)array)[slot];
 }
 
-/* The spring of i against j, for j's slot the other way round: a vector in 3D, a number along a tangent that turns with
- * the pair in 2D. */
-static double sign_of(const struct contact_list *list, int k)
+/* What column c of member k is multiplied by on its way into the slots: its sign if the slot is j's, and the unit. */
+static double into_slot(const struct contact_list *list, int c, int k)
 {
-    return list->n_springs == 3 && list->slot[k] % 2 ? -1 : 1;
+    const double sign = history_is_odd(&list->model, c) && list->slot[k] % 2 ? -1 : 1;
+    return history_field(c)->length ? sign / list->slots.unit : sign;
 }
 
 /* The padding particle is nowhere near: single by `built` and `gap`, which are more units than anything moves and still
  * have a square, double by its place, but walls know no distance to it: `nothing` is its reach. */
 static void empty_slots(struct contact_list *list, int dimension, uint32_t padding_row, double nothing)
 {
-    const size_t size = (size_t)list->n_sets * SET_WIDTH, real = list->single ? sizeof(float) : sizeof(double);
+    const size_t size = (size_t)list->n_sets * SET_WIDTH, real = list->model.single ? sizeof(float) : sizeof(double);
     struct contact_slots *slots = &list->slots;
     for (size_t s = 0; s < size; s++) {
         slots->partner[s] = padding_row;
-        if (list->single) {
+        if (list->model.single) {
             slots->gap[s] = -0x1p80F;
             slots->built[0][s] = 0x1p40F;
         }
     }
-    for (int c = 1; list->single && c < dimension; c++)
+    for (int c = 1; list->model.single && c < dimension; c++)
         memset(slots->built[c], 0, real * size);
     for (size_t s = 0; s < size; s++)
         put(list, slots->reach, s, nothing);
@@ -101,35 +96,19 @@ static void fill_slots(struct contact_list *list, const struct particles *p, con
         const int32_t both = list->i[k] ^ list->j[k], j = list->j[k] ^ (both & -turned);
         const int32_t i = wall ? list->i[k] : both ^ j;
         slots->partner[s] = stride * (uint32_t)j;
-        if (list->single)
+        if (list->model.single)
             fill_built(list, s, list->reach[k], p, i, j, wall, per_unit);
         put(list, slots->reach, s, list->reach[k] * reach_per);
     }
 }
 
-static void fill_history(struct contact_list *list)
+static void fill_column(struct contact_list *list, int c)
 {
-    const size_t size = (size_t)list->n_sets * SET_WIDTH * (list->single ? sizeof(float) : sizeof(double));
     struct contact_slots *slots = &list->slots;
-    if (list->hysteretic)
-        memset(slots->history, 0, size);
-    if (list->n_springs)
-        memset(slots->sliding, 0, size);
-    for (int c = 0; c < list->n_springs; c++) {
-        memset(slots->spring[c], 0, size);
-        memset(slots->rest[c], 0, size);
-    }
-    for (int k = 0; k < list->count; k++) {
-        const size_t s = list->slot[k] / 2;
-        if (list->hysteretic)
-            put(list, slots->history, s, list->history[k] / slots->unit);
-        if (list->n_springs)
-            put(list, slots->sliding, s, list->sliding[k]);
-        for (int c = 0; c < list->n_springs; c++) {
-            put(list, slots->spring[c], s, sign_of(list, k) * list->spring[c][k]);
-            put(list, slots->rest[c], s, sign_of(list, k) * list->rest[c][k]);
-        }
-    }
+    memset(slots->history[c], 0,
+           (size_t)list->n_sets * SET_WIDTH * (list->model.single ? sizeof(float) : sizeof(double)));
+    for (int k = 0; k < list->count; k++)
+        put(list, slots->history[c], list->slot[k] / 2, into_slot(list, c, k) * list->history[c][k]);
 }
 
 static enum status spans_reserve(struct contact_slots *slots, int n)
@@ -205,7 +184,7 @@ enum status contact_list_place(struct contact_list *list, const struct particles
     if (list->count > INT32_MAX / (4 * SET_WIDTH))
         return status_fail(STATUS_LIMIT, "%d candidates for contact are too many", list->count);
     list->closed = true;
-    list->slots.unit = list->single ? particles->quantum : 1;
+    list->slots.unit = list->model.single ? particles->quantum : 1;
     TRY(wall ? assign_wall(list, particles->dimension) : assign_pairs(list, particles));
     if (list->count == 0)
         return STATUS_OK;
@@ -218,42 +197,33 @@ enum status contact_list_place(struct contact_list *list, const struct particles
 enum status contact_list_close(struct contact_list *list, const struct particles *particles, const struct wall *wall)
 {
     TRY(contact_list_place(list, particles, wall));
-    if (list->count)
-        fill_history(list);
+    for (int c = 0; list->count && c < HISTORY_COLUMNS; c++)
+        if (history_has(&list->model, c))
+            fill_column(list, c);
     return STATUS_OK;
 }
 
-double contact_list_history(const struct contact_list *list, int k)
-{
-    const struct contact_slots *slots = &list->slots;
-    return list->closed ? slots->unit * get(list, slots->history, list->slot[k] / 2) : list->history[k];
-}
-
-double contact_list_spring(const struct contact_list *list, int c, int k)
+double contact_list_value(const struct contact_list *list, int c, int k)
 {
     if (!list->closed)
-        return list->spring[c][k] + list->rest[c][k];
-    const size_t s = list->slot[k] / 2;
-    return sign_of(list, k) * (get(list, list->slots.spring[c], s) + get(list, list->slots.rest[c], s));
+        return list->history[c][k];
+    return get(list, list->slots.history[c], list->slot[k] / 2) / into_slot(list, c, k);
+}
+
+double contact_list_spring(const struct contact_list *list, int component, int k)
+{
+    const double spring = contact_list_value(list, HISTORY_SPRING + component, k);
+    return list->model.single ? spring + contact_list_value(list, HISTORY_SPRING_REST + component, k) : spring;
 }
 
 bool contact_list_slides(const struct contact_list *list, int k)
 {
-    return (list->closed ? get(list, list->slots.sliding, list->slot[k] / 2) : list->sliding[k]) > 0;
+    return contact_list_value(list, HISTORY_SLIDING, k) > 0;
 }
 
 void contact_list_read(struct contact_list *list)
 {
-    const struct contact_slots *slots = &list->slots;
-    for (int k = 0; list->closed && k < list->count; k++) {
-        const size_t s = list->slot[k] / 2;
-        if (list->hysteretic)
-            list->history[k] = slots->unit * get(list, slots->history, s);
-        if (list->n_springs)
-            list->sliding[k] = get(list, slots->sliding, s);
-        for (int c = 0; c < list->n_springs; c++) {
-            list->spring[c][k] = sign_of(list, k) * get(list, slots->spring[c], s);
-            list->rest[c][k] = sign_of(list, k) * get(list, slots->rest[c], s);
-        }
-    }
+    for (int c = 0; list->closed && c < HISTORY_COLUMNS; c++)
+        for (int k = 0; history_has(&list->model, c) && k < list->count; k++)
+            list->history[c][k] = contact_list_value(list, c, k);
 }

@@ -461,7 +461,7 @@ enum status slot_assignment_make(struct contact_list *list, int n_particles, int
                       .n_blocks = (n_particles + width - 1) / width,
                       .width = width,
                       .span_width = span_width,
-                      .apart = list->single && width == HALF_WIDTH};
+                      .apart = list->model.single && width == HALF_WIDTH};
     t.visits_max = list->search_max > 0 && list->search_max < VISITS_MAX ? list->search_max : VISITS_MAX;
     TRY(lay_out(&t, list, 0));
     find_next(&t, list);

@@ -176,24 +176,6 @@ LANES_INLINE void NAME(root)(struct NAME(meeting) * at)
 #endif
 }
 
-LANES_INLINE struct NAME(memory) NAME(memory_at)(const struct contact_slots *slots, size_t k)
-{
-    struct NAME(memory) memory = {0};
-    (void)slots;
-    (void)k;
-#if HYSTERETIC
-    memory.history = (scalar *)slots->history + k;
-#endif
-#if FRICTIONAL
-    memory.sliding = (scalar *)slots->sliding + k;
-    for (int c = 0; c < SPRINGS; c++) {
-        memory.spring[c] = (scalar *)slots->spring[c] + k;
-        memory.rest[c] = (scalar *)slots->rest[c] + k;
-    }
-#endif
-    return memory;
-}
-
 /* Adds forces and moments to the rows of j, one lane after the other. Padding slots add zeros to the padding particle.
  */
 LANES_INLINE void NAME(add_rows)(void *force, const uint32_t *row, const struct NAME(contact_result) * result)
@@ -285,7 +267,7 @@ LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) 
 {
     enum { APART = F64_LANES == 4 };
     for (int m = 0; m < n; m++) {
-        struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
+        struct NAME(memory) memory = NAME(memory_at)(slots->history, k + (size_t)m * LANES);
         const struct NAME(meeting) at = chunk->set[m].at;
         struct NAME(touch) touch = NAME(touch)(law, &at, &memory, sums);
 #if FRICTIONAL
@@ -296,12 +278,12 @@ LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) 
     }
 #if FRICTIONAL
     for (int m = 0; m < n && APART; m++) {
-        struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
+        struct NAME(memory) memory = NAME(memory_at)(slots->history, k + (size_t)m * LANES);
         NAME(keep)(&chunk->set[m].touch, &memory);
     }
 #endif
     for (int m = 0; m < n; m++) {
-        struct NAME(memory) memory = NAME(memory_at)(slots, k + (size_t)m * LANES);
+        struct NAME(memory) memory = NAME(memory_at)(slots->history, k + (size_t)m * LANES);
         const struct NAME(touch) touch = chunk->set[m].touch;
         chunk->set[m].result = NAME(force)(law, &touch, &memory, sums);
     }
@@ -348,7 +330,7 @@ LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, enum pair_kind kind,
                               struct NAME(under_way) * way, struct NAME(sums) * sums)
 {
     const size_t l = NAME(in_turn)(kind, turn), ahead = turn + 2 * LANES, set_ahead = set + ahead / SET_WIDTH;
-    struct NAME(memory) memory = NAME(memory_at)(&r->slots, set * SET_WIDTH + l);
+    struct NAME(memory) memory = NAME(memory_at)(r->slots.history, set * SET_WIDTH + l);
     struct NAME(meeting) at = way->next;
     way->next = way->near;
     NAME(root)(&way->next);
@@ -459,7 +441,7 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
     void *own = (char *)force + PARTICLES_COLUMNS_OFFSET(p->n_padded, DIM, FRICTIONAL, SINGLE);
     struct NAME(range) range = {.p = p,
                                 .slots = pairs->slots,
-                                .law = NAME(law_of)(constants, dt_s, pairs->slots.unit),
+                                .law = NAME(law_of)(constants, dt_s, dt_s, pairs->slots.unit),
                                 .unit = (scalar)pairs->slots.unit,
                                 .force = force,
                                 .own = own};
@@ -544,7 +526,7 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
                        double dt_s, struct contact_losses *losses)
 {
     const struct contact_slots slots = wall->contacts.slots;
-    const struct NAME(law) law = NAME(law_of)(constants, dt_s, slots.unit);
+    const struct NAME(law) law = NAME(law_of)(constants, dt_s, dt_s, slots.unit);
     const size_t end = (size_t)wall->contacts.n_sets * SET_WIDTH;
     double columns[SET_WIDTH] = {0}, total = 0;
     struct NAME(sums) sums = {0};

@@ -1,10 +1,6 @@
-/* The kernels of one model (contact_law_tmpl.h says which macros choose it); each part uses the one before. */
+/* The kernels of one model (for_each_model.h says which macros choose it); each part uses the one before. */
 #include "sim/law/contact_law_tmpl.h"
 
 #include "sim/kernels/contact_kernel_tmpl.h"
 
 #include "sim/kernels/particle_kernel_tmpl.h"
-#undef DIM
-#undef HYSTERETIC
-#undef FRICTIONAL
-#undef SINGLE

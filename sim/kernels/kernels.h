@@ -14,7 +14,7 @@ struct kick_constants {
 
 /* Forces and moments of the pairs in spans first ... last - 1 of the list, in `force`: particles->force, or another
  * array of that kind (particles.h). They are added to the rows, and the columns of the spans' particles are set.
- * History, springs and sliding change. Adds the energy lost.
+ * History changes. Adds the energy lost.
  * dt_s: 0: forces are evaluated anew and no time passes. */
 typedef void pair_kernel(const struct particles *particles, struct contact_list *pairs, int first, int last,
                          const struct contact_law_constants *law, double dt_s, void *force,
@@ -46,7 +46,7 @@ struct kernels {
     advance_kernel *advance;
 };
 
-/* Kernels specialised for a model. dimension 2 or 3; single: contacts in float (mixed precision). */
-struct kernels kernels_select(enum instruction_set isa, int dimension, bool hysteretic, bool frictional, bool single);
+/* Kernels specialised for a model. */
+struct kernels kernels_select(enum instruction_set isa, const struct contact_model *model);
 
 #endif

@@ -6,4 +6,4 @@
 #include "sim/lanes/lanes_avx2.h"
 
 #define ISA avx2
-#include "sim/kernels/kernel_models.h"
+#include "sim/kernels/kernel_table.h"

@@ -6,4 +6,4 @@
 #include "sim/lanes/lanes_avx512.h"
 
 #define ISA avx512
-#include "sim/kernels/kernel_models.h"
+#include "sim/kernels/kernel_table.h"

@@ -6,4 +6,4 @@
 #include "sim/lanes/lanes_reference.h"
 
 #define ISA reference
-#include "sim/kernels/kernel_models.h"
+#include "sim/kernels/kernel_table.h"

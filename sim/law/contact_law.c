@@ -1,12 +1,22 @@
 #include "sim/law/contact_law.h"
 
-struct contact_law_constants contact_law_constants_of(const struct scene_material *m)
+#define MODEL_TEXT "sim/law/normal_constants.h"
+#include "sim/law/for_each_model.h"
+
+struct normal_functions {
+    void (*constants)(const struct scene_material *material, double *constant);
+    double (*stiffness)(const double *constant);
+};
+
+static const struct normal_functions normal_functions[LAW_COUNT] = {
+#define FUNCTIONS(name, NAME) {normal_##name##_constants, normal_##name##_stiffness},
+    CONTACT_LAWS(FUNCTIONS)
+#undef FUNCTIONS
+};
+
+struct contact_law_constants contact_law_constants_of(const struct scene_material *m, int normal)
 {
-    bool linear = m->law == LAW_LINEAR;
     struct contact_law_constants law = {
-        .k1 = linear ? m->kn_n_per_m : m->k1_n_per_m,
-        .k2 = linear ? m->kn_n_per_m : m->k2_n_per_m,
-        .kc = linear ? 0 : m->kc_n_per_m,
         .gamma_n = m->gamma_n_kg_per_s,
         .mu_s = m->mu_s,
         .mu_d = m->mu_d,
@@ -14,11 +24,8 @@ struct contact_law_constants contact_law_constants_of(const struct scene_materia
         .inv_kt = m->kt_n_per_m > 0 ? 1 / m->kt_n_per_m : 0,
         .gamma_t = m->gamma_t_kg_per_s,
     };
-    law.k2_minus_k1 = law.k2 - law.k1;
-    law.branch_ratio = law.k2_minus_k1 > 0 ? (law.k2 + law.kc) / law.k2_minus_k1 : 0;
-    double delta_min_ratio = law.k2_minus_k1 / (law.k2 + law.kc); /* delta_min = ratio delta_max [LH] */
-    law.loading_loss = 0.5 * law.k1 * (1 - law.k1 / law.k2);
-    law.adhesion_loss = 0.5 * law.kc * (1 + law.kc / law.k2) * delta_min_ratio * delta_min_ratio;
+    normal_functions[normal].constants(m, law.normal);
+    law.stiffness = normal_functions[normal].stiffness(law.normal);
     return law;
 }
 

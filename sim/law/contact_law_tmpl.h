@@ -1,7 +1,7 @@
 /* The law of one set of contacts, written once and compiled for each model, precision and instruction set. The
  * including file defines
  * - ISA: part of the names; lanes_<ISA>.h is included before;
- * - DIM: 2 or 3; HYSTERETIC, FRICTIONAL: 0 or 1;
+ * - NORMAL, NORMAL_TEXT: the normal law (for_each_model.h); DIM: 2 or 3; FRICTIONAL: 0 or 1;
  * - SINGLE: 1 for the law in float (docs/theory.md: mixed precision), else 0.
  * Every contact's arithmetic is the same in every lane and instruction set, so forces and histories are the same bits;
  * only the sums of the losses differ in their order. There are no branches: open candidates select zeros.
@@ -17,7 +17,7 @@
 #undef SPRINGS
 #define NAME_(stem, isa, dim, h, f, s)  stem##_##isa##_##dim##_##h##_##f##_##s
 #define NAME__(stem, isa, dim, h, f, s) NAME_(stem, isa, dim, h, f, s)
-#define NAME(stem)                      NAME__(stem, ISA, DIM, HYSTERETIC, FRICTIONAL, SINGLE)
+#define NAME(stem)                      NAME__(stem, ISA, DIM, NORMAL, FRICTIONAL, SINGLE)
 
 /* Components of the tangential spring, of rotations and of moments. */
 #define SPRINGS (2 * DIM - 3)
@@ -70,16 +70,36 @@ LANES_INLINE double NAME(doubles_sum)(struct NAME(doubles) x)
     return f64_sum(x.part[0]);
 }
 
+LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
+{
+    *total = NAME(doubles_add)(*total, NAME(doubles_of)(*sum));
+    *sum = real_all(0.0);
+}
+
+/* The text of a normal law gives, each for lanes of this model:
+ * - normal_law, normal_law_of: its constants, from those of contact_law.h; unit: that of overlaps and lengths it
+ *   remembers [m];
+ * - normal_memory, normal_memory_at: its columns of the history (contact_history.h);
+ * - normal_elastic: the elastic force at overlap delta >= 0 (0: none), with the history moved on;
+ * - normal_friction_limit: the force that limits friction, from the overlap and the force `pressing` along n on j;
+ * - normal_energy: what the elastic force at delta holds;
+ * - normal_sums, normal_totals, normal_sums_close, normal_hysteresis_j: what it loses by itself. */
+#define NORMAL_LANES
+#include NORMAL_TEXT
+#undef NORMAL_LANES
+
 struct NAME(law) {
-    scalar k2, kc, gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt, k2_minus_k1, branch_ratio;
+    struct NAME(normal_law) normal;
+    scalar gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt;
     scalar lever; /* gamma_t - kt dt/2 */
 };
 
-/* unit: that of overlaps and histories [m] */
-LANES_INLINE struct NAME(law) NAME(law_of)(const struct contact_law_constants *law, double dt_s, double unit)
+/* dt_s: by which the contacts go on; lever_s: the time step that springs are half of ahead; unit: that of overlaps and
+ * histories [m] */
+LANES_INLINE struct NAME(law)
+    NAME(law_of)(const struct contact_law_constants *law, double dt_s, double lever_s, double unit)
 {
-    return (struct NAME(law)){.k2 = (scalar)(law->k2 * unit),
-                              .kc = (scalar)(law->kc * unit),
+    return (struct NAME(law)){.normal = NAME(normal_law_of)(law->normal, unit),
                               .gamma_n = (scalar)law->gamma_n,
                               .mu_s = (scalar)law->mu_s,
                               .mu_d = (scalar)law->mu_d,
@@ -87,17 +107,32 @@ LANES_INLINE struct NAME(law) NAME(law_of)(const struct contact_law_constants *l
                               .inv_kt = (scalar)law->inv_kt,
                               .gamma_t = (scalar)law->gamma_t,
                               .dt = (scalar)dt_s,
-                              .k2_minus_k1 = (scalar)(law->k2_minus_k1 * unit),
-                              .branch_ratio = (scalar)law->branch_ratio,
-                              .lever = (scalar)(law->gamma_t - 0.5 * law->kt * dt_s)};
+                              .lever = (scalar)(law->gamma_t - 0.5 * law->kt * lever_s)};
 }
 
 /* What the contacts of a list remember, LANES of them from here on; changed in place. rest: what rounding left out of
  * the spring, so that slow motion, less than a unit of its last place in a step, is not lost (Kahan's sum); float only.
  */
 struct NAME(memory) {
-    scalar *history, *spring[3], *rest[3], *sliding; /* sliding: 1 or 0 */
+    struct NAME(normal_memory) normal;
+#if FRICTIONAL
+    scalar *spring[SPRINGS], *rest[SPRINGS], *sliding; /* sliding: 1 or 0 */
+#endif
 };
+
+/* history: the columns of the slots. */
+LANES_INLINE struct NAME(memory) NAME(memory_at)(void *const *history, size_t slot)
+{
+    struct NAME(memory) memory = {.normal = NAME(normal_memory_at)(history, slot)};
+#if FRICTIONAL
+    memory.sliding = (scalar *)history[HISTORY_SLIDING] + slot;
+    for (int c = 0; c < SPRINGS; c++) {
+        memory.spring[c] = (scalar *)history[HISTORY_SPRING + c] + slot;
+        memory.rest[c] = SINGLE ? (scalar *)history[HISTORY_SPRING_REST + c] + slot : NULL;
+    }
+#endif
+    return memory;
+}
 
 /* What the law wants to know of a set of contacts, with i's side against j's: centres, velocities of the centres, w =
  * a_i omega_i + a_j omega_j and spin = omega_i + omega_j. */
@@ -130,15 +165,17 @@ struct NAME(contact_result) {
 #endif
 };
 
-/* Sums over contacts, one per lane: of u^2, of the rises and the falls of history^2; of v_t^2, q pull^2, q^2 pull^2 and
- * q pull.v_t for what the dashpot and sliding take. */
+/* Sums over contacts, one per lane: of u^2; of v_t^2, q pull^2, q^2 pull^2 and q pull.v_t for what the dashpot and
+ * sliding take. */
 struct NAME(sums) {
-    real normal, change, rise, vt2, slip, slip2, power;
+    struct NAME(normal_sums) own; /* of the normal law */
+    real normal, vt2, slip, slip2, power;
 };
 
 /* What they have come to, so that sums in float stay short. */
 struct NAME(totals) {
-    struct NAME(doubles) normal, change, rise, vt2, slip, slip2, power;
+    struct NAME(normal_totals) own;
+    struct NAME(doubles) normal, vt2, slip, slip2, power;
 };
 
 LANES_INLINE real NAME(inner)(const real *a, const real *b)
@@ -317,24 +354,10 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
     u = real_where(active, u);
 #endif
     sums->normal = real_fma(u, u, sums->normal);
-    real elastic = real_all(law->k2) * delta;
-#if HYSTERETIC
-    /* [LH eq. 1.6]: k2 (delta - delta_0) with k2 delta_0 = (k2 - k1) delta_max, where delta_max grows with delta (the
-     * branch k1 delta) and shrinks with it where the adhesion branch -kc delta would be left */
-    real history = real_load(memory->history);
-    real after = real_larger(delta, real_smaller(history, real_all(law->branch_ratio) * delta));
-    real change = after - history, both = after + history;
-    sums->change = real_fma(change, both, sums->change);
-    sums->rise = real_fma(real_larger(change, zero), both, sums->rise);
-    real_store(memory->history, after);
-    elastic = real_fma(real_all(-law->k2_minus_k1), after, elastic);
-#else
-    (void)memory;
-#endif
+    real elastic = NAME(normal_elastic)(&law->normal, delta, &memory->normal, &sums->own);
     touch.pressing = real_fma(real_all(law->gamma_n), u, -elastic);
 #if FRICTIONAL
-    /* friction is limited by the normal force above the adhesion branch, never below 0 (docs/theory.md) */
-    real limit = real_larger(zero, real_fma(real_all(law->kc), delta, -touch.pressing));
+    real limit = real_larger(NAME(normal_friction_limit)(&law->normal, delta, touch.pressing), zero);
     touch.active = active;
     NAME(test)(law, at, u, limit, memory, &touch, sums);
 #endif
@@ -358,20 +381,11 @@ LANES_INLINE struct NAME(contact_result) NAME(force)(const struct NAME(law) * la
     return result;
 }
 
-LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
-{
-    *total = NAME(doubles_add)(*total, NAME(doubles_of)(*sum));
-    *sum = real_all(0.0);
-}
-
 /* Adds the sums to the totals; they start anew. */
 LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals) * totals)
 {
     NAME(close)(&sums->normal, &totals->normal);
-#if HYSTERETIC
-    NAME(close)(&sums->change, &totals->change);
-    NAME(close)(&sums->rise, &totals->rise);
-#endif
+    NAME(normal_sums_close)(&sums->own, &totals->own);
 #if FRICTIONAL
     NAME(close)(&sums->vt2, &totals->vt2);
     NAME(close)(&sums->slip, &totals->slip);
@@ -384,12 +398,8 @@ LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals)
 LANES_INLINE void NAME(totals_add)(const struct NAME(totals) * totals, const struct contact_law_constants *law,
                                    double dt_s, double unit, struct contact_losses *losses)
 {
-    (void)unit;
     losses->viscous_normal += law->gamma_n * dt_s * NAME(doubles_sum)(totals->normal);
-#if HYSTERETIC
-    const double rise = NAME(doubles_sum)(totals->rise), fall = rise - NAME(doubles_sum)(totals->change);
-    losses->hysteresis += unit * unit * (law->loading_loss * rise + law->adhesion_loss * fall);
-#endif
+    losses->hysteresis += NAME(normal_hysteresis_j)(&totals->own, law->normal, unit);
 #if FRICTIONAL
     const double power = NAME(doubles_sum)(totals->power);
     losses->viscous_tangential += law->gamma_t * (dt_s * NAME(doubles_sum)(totals->vt2) - power);

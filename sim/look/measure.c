@@ -164,7 +164,7 @@ static void fill_contact(const struct sample *sample, int l, int k, const struct
                                         .j = sign > 0 ? j : i,
                                         .overlap_m = g->overlap,
                                         .normal_force_n = f->normal,
-                                        .sliding = list->n_springs && contact_list_slides(list, k)};
+                                        .sliding = list->model.frictional && contact_list_slides(list, k)};
     for (int c = 0; c < dim; c++) {
         out->normal[c] = sign * g->n[c];
         out->tangential_force_n[c] = sign * f->tangential[c];

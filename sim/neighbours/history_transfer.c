@@ -16,54 +16,46 @@ static enum status find_sources(struct contact_list *list, const struct contact_
     return STATUS_OK;
 }
 
-static void carry(struct contact_list *to, void *array, const struct contact_list *from, const void *known, bool turns,
-                  const struct search *search)
+static void transfer(struct contact_list *to, void *array, const struct contact_list *from, const void *known,
+                     bool turns, const struct search *search)
 {
     const int slots = to->n_sets * SET_WIDTH;
     if (from->count == 0)
-        memset(array, 0, (size_t)slots * (to->single ? sizeof(float) : sizeof(double)));
-    else if (to->single)
+        memset(array, 0, (size_t)slots * (to->model.single ? sizeof(float) : sizeof(double)));
+    else if (to->model.single)
         search->transfer_floats(array, known, to->scratch, slots, turns);
     else
         search->transfer_doubles(array, known, to->scratch, slots, turns);
 }
 
-/* Histories of a list with another unit; they are powers of 2, so that nothing is rounded. */
-static void convert(struct contact_list *list, double from_unit)
+/* Lengths of a list with another unit; they are powers of 2, so that nothing is rounded. */
+static void convert(const struct contact_list *list, int c, double from_unit)
 {
     const size_t slots = (size_t)list->n_sets * SET_WIDTH;
     const float factor = (float)(from_unit / list->slots.unit);
     if (factor == 1) /* double has but one */
         return;
     for (size_t s = 0; s < slots; s++)
-        ((float *)list->slots.history)[s] *= factor;
+        ((float *)list->slots.history[c])[s] *= factor;
 }
 
 enum status history_transfer_close(struct contact_list *list, const struct particles *particles,
                                    const struct wall *wall, struct contact_list *before, const int32_t *source,
                                    const struct search *search)
 {
-    const bool turns = list->n_springs == 3; /* in space a spring points from one member to the other */
     if (!before->closed)
         TRY(contact_list_close(before, particles, wall));
     TRY(contact_list_place(list, particles, wall));
     if (list->count == 0)
         return STATUS_OK;
     TRY(find_sources(list, before, source));
-    struct contact_slots *to = &list->slots;
-    const struct contact_slots *from = &before->slots;
-    if (list->hysteretic) {
-        carry(list, to->history, before, from->history, false, search);
-        convert(list, from->unit);
-    }
-    if (list->n_springs)
-        carry(list, to->sliding, before, from->sliding, false, search);
-    for (int c = 0; c < list->n_springs; c++) {
-        carry(list, to->spring[c], before, from->spring[c], turns, search);
-        if (list->single)
-            carry(list, to->rest[c], before, from->rest[c], turns, search);
-        else /* there is none, but its zeros are part of the state, with their signs */
-            memset(to->rest[c], 0, (size_t)list->n_sets * SET_WIDTH * sizeof(double));
+    for (int c = 0; c < HISTORY_COLUMNS; c++) {
+        if (!history_has(&list->model, c))
+            continue;
+        transfer(list, list->slots.history[c], before, before->slots.history[c], history_is_odd(&list->model, c),
+                 search);
+        if (history_field(c)->length)
+            convert(list, c, before->slots.unit);
     }
     return STATUS_OK;
 }

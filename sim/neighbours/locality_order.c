@@ -158,16 +158,13 @@ static void permute_history(double *values, const struct moved *moved, int count
     memcpy(values, scratch, (size_t)count * sizeof *values);
 }
 
-/* A spring in space points along the force on i: it turns round where i and j change places. In 2D it is a number along
- * the tangent, which turns round as well. */
-static void turn_springs(struct contact_list *list, const struct moved *moved)
+/* A column of the history, with the other sign where that changes as i and j change places. */
+static void permute_column(struct contact_list *list, int c, const struct moved *moved, double *scratch)
 {
-    for (int c = 0; c < list->n_springs && list->n_springs == 3; c++)
-        for (int k = 0; k < list->count; k++)
-            if (moved[k].swapped) {
-                list->spring[c][k] = -list->spring[c][k];
-                list->rest[c][k] = -list->rest[c][k];
-            }
+    permute_history(list->history[c], moved, list->count, scratch);
+    for (int k = 0; history_is_odd(&list->model, c) && k < list->count; k++)
+        if (moved[k].swapped)
+            list->history[c][k] = -list->history[c][k];
 }
 
 static enum status locality_order_list(struct contact_list *list, const struct particles *p, const struct wall *wall,
@@ -189,13 +186,9 @@ static enum status locality_order_list(struct contact_list *list, const struct p
         list->j[k] = moved[k].j;
     }
     permute_history(list->reach, moved, list->count, scratch);
-    permute_history(list->history, moved, list->count, scratch);
-    permute_history(list->sliding, moved, list->count, scratch);
-    for (int c = 0; c < list->n_springs; c++) {
-        permute_history(list->spring[c], moved, list->count, scratch);
-        permute_history(list->rest[c], moved, list->count, scratch);
-    }
-    turn_springs(list, moved);
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        if (history_has(&list->model, c))
+            permute_column(list, c, moved, scratch);
     free(moved);
     free(scratch);
     return contact_list_close(list, p, wall);

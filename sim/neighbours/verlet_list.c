@@ -7,13 +7,6 @@
 #include "sim/base/aligned_array.h"
 #include "sim/neighbours/history_transfer.h"
 
-static void list_model(struct contact_list *list, const struct particles *p, bool hysteretic)
-{
-    list->hysteretic = hysteretic;
-    list->n_springs = p->n_rotations;
-    list->single = p->single;
-}
-
 static enum status block_init(struct search_block *block, const struct particles *p)
 {
     for (int c = 0; c < p->dimension; c++)
@@ -31,8 +24,8 @@ static double mean_radius(const struct particles *p)
     return sum / p->count;
 }
 
-enum status verlet_list_init(struct verlet_list *nb, const struct particles *p, double skin_ratio, bool hysteretic,
-                             enum instruction_set isa)
+enum status verlet_list_init(struct verlet_list *nb, const struct particles *p, double skin_ratio,
+                             const struct contact_model *model, enum instruction_set isa)
 {
     const double first_guess = 0.1;
     memset(nb, 0, sizeof *nb);
@@ -40,8 +33,7 @@ enum status verlet_list_init(struct verlet_list *nb, const struct particles *p, 
     nb->skin_fixed = skin_ratio * nb->mean_radius;
     nb->skin = skin_ratio > 0 ? nb->skin_fixed : first_guess * nb->mean_radius;
     nb->search = search_select(isa);
-    list_model(&nb->spare_pairs, p, hysteretic);
-    list_model(&nb->spare_wall, p, hysteretic);
+    nb->spare_pairs.model = nb->spare_wall.model = *model;
     TRY(cell_list_init(&nb->cells, p));
     TRY(block_init(&nb->block, p));
     return array_resize(&nb->first_pair_of, sizeof(int32_t), (size_t)p->count + 2, 0);

@@ -28,10 +28,10 @@ struct verlet_list {
     struct contact_list spare_pairs, spare_wall; /* the lists under construction */
 };
 
-/* Prepares lists for the model of `particles`. skin_ratio: skin over the mean radius; 0: tuned while running. Errors:
- * STATUS_NO_MEMORY. */
+/* Prepares lists for particles and contacts of a model. skin_ratio: skin over the mean radius; 0: tuned while running.
+ * Errors: STATUS_NO_MEMORY. */
 enum status verlet_list_init(struct verlet_list *verlet, const struct particles *particles, double skin_ratio,
-                             bool hysteretic, enum instruction_set isa) MUST_USE;
+                             const struct contact_model *model, enum instruction_set isa) MUST_USE;
 void verlet_list_free(struct verlet_list *verlet);
 
 /* Builds `pairs` and the walls' lists anew for the current positions: every pair closer than the radii and the skin,

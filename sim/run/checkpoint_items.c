@@ -9,18 +9,7 @@
 enum owner { OF_PROGRESS, OF_SAMPLE, OF_PARTICLES, OF_WALL, OF_LIST };
 
 /* Where its values are: in the owner itself, or behind as many pointers as the model has components. */
-enum extent {
-    IN_PLACE,
-    ONE_ARRAY,
-    PER_AXIS,
-    PER_ROTATION,
-    PER_SPRING,
-    PER_AXIS_IF_SINGLE,
-    PER_ROTATION_IF_SINGLE,
-    IF_ROTATIONS,
-    IF_FRICTIONAL,
-    IF_HYSTERETIC
-};
+enum extent { IN_PLACE, ONE_ARRAY, PER_AXIS, PER_ROTATION, PER_AXIS_IF_SINGLE, PER_ROTATION_IF_SINGLE, IF_ROTATIONS };
 
 struct entry {
     const char *name; /* of the dataset in the owner's group */
@@ -154,17 +143,13 @@ static const struct entry members[] = {
     LIST(i, I32, ONE_ARRAY),
     LIST(j, I32, ONE_ARRAY),
     LIST(reach, F64, ONE_ARRAY),
-    LIST(history, F64, IF_HYSTERETIC),
-    LIST(spring, F64, PER_SPRING),
-    LIST(rest, F64, PER_SPRING),
-    LIST(sliding, F64, IF_FRICTIONAL),
 };
 
 /* What an owner's arrays are sized by. */
 struct model {
     size_t count; /* members of an array */
-    int axes, rotations, springs;
-    bool hysteretic, single;
+    int axes, rotations;
+    bool single;
 };
 
 static int components(const struct entry *entry, const struct model *model)
@@ -173,12 +158,9 @@ static int components(const struct entry *entry, const struct model *model)
                      [ONE_ARRAY] = 1,
                      [PER_AXIS] = model->axes,
                      [PER_ROTATION] = model->rotations,
-                     [PER_SPRING] = model->springs,
                      [PER_AXIS_IF_SINGLE] = model->single ? model->axes : 0,
                      [PER_ROTATION_IF_SINGLE] = model->single ? model->rotations : 0,
-                     [IF_ROTATIONS] = model->rotations > 0,
-                     [IF_FRICTIONAL] = model->springs > 0,
-                     [IF_HYSTERETIC] = model->hysteretic};
+                     [IF_ROTATIONS] = model->rotations > 0};
     return n[entry->extent];
 }
 
@@ -216,6 +198,22 @@ void checkpoint_list_group(char group[32], int l)
     snprintf(group, 32, l == 0 ? "contacts/pairs" : "contacts/wall%d", l - 1);
 }
 
+/* The columns of the history that the model has. */
+static void collect_history(struct checkpoint_items *items, const char *group, struct contact_list *list)
+{
+    for (int c = 0; c < HISTORY_COLUMNS && items->n < CHECKPOINT_ITEMS_MAX; c++) {
+        const struct history_field *field = history_field(c);
+        if (!history_has(&list->model, c))
+            continue;
+        struct checkpoint_item *item = &items->item[items->n++];
+        *item = (struct checkpoint_item){.type = F64, .count = (size_t)list->count, .data = list->history[c]};
+        if (field->component >= 0)
+            snprintf(item->path, sizeof item->path, "%s/%s/%d", group, field->name, field->component);
+        else
+            snprintf(item->path, sizeof item->path, "%s/%s", group, field->name);
+    }
+}
+
 static void collect(struct checkpoint_items *items, struct sample *sample, struct run_progress *progress)
 {
     char group[32];
@@ -235,12 +233,10 @@ static void collect(struct checkpoint_items *items, struct sample *sample, struc
     for (int l = 0; l <= sample->n_walls; l++) {
         struct contact_list *list = checkpoint_list(sample, l);
         contact_list_read(list);
-        const struct model model = {.count = (size_t)list->count,
-                                    .axes = p->dimension,
-                                    .springs = list->n_springs,
-                                    .hysteretic = list->hysteretic};
+        const struct model model = {.count = (size_t)list->count, .axes = p->dimension};
         checkpoint_list_group(group, l);
         collect_owner(items, OF_LIST, group, list, &model);
+        collect_history(items, group, list);
     }
 }
 

@@ -1,6 +1,7 @@
 #include "sim/run/explain.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "sim/run/sample_source.h"
 
@@ -21,10 +22,23 @@ static size_t bytes_per_particle(const struct particles *p)
 /* What the kernels read and write. */
 static size_t bytes_per_candidate(const struct contact_list *list, int dimension)
 {
-    size_t real = list->single ? sizeof(float) : sizeof(double), reals = 1;
-    reals += list->hysteretic;
-    reals += list->n_springs ? (1 + (size_t)list->single) * (size_t)list->n_springs + 1 : 0;
-    return sizeof(uint32_t) + (list->single ? (1 + (size_t)dimension) * sizeof(float) : 0) + reals * real;
+    size_t real = list->model.single ? sizeof(float) : sizeof(double), reals = 1;
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        reals += history_has(&list->model, c);
+    return sizeof(uint32_t) + (list->model.single ? (1 + (size_t)dimension) * sizeof(float) : 0) + reals * real;
+}
+
+static void explain_contacts(FILE *out, const struct contact_list *list, int dimension)
+{
+    const char *last = "";
+    fprintf(out, "modelled per candidate contact: force");
+    for (int c = 0; c < HISTORY_COLUMNS; c++) {
+        const char *name = history_field(c)->name;
+        if (history_has(&list->model, c) && strcmp(name, last) != 0)
+            fprintf(out, ", %s", last = name);
+    }
+    fprintf(out, "%s: %zu bytes\n", list->model.frictional ? "" : "; no tangential force",
+            bytes_per_candidate(list, dimension));
 }
 
 static void explain_contact_time(FILE *out, const struct sample *sample)
@@ -34,9 +48,10 @@ static void explain_contact_time(FILE *out, const struct sample *sample)
     for (int i = 1; i < sample->particles.count; i++)
         lightest = sample->particles.mass[i] < lightest ? sample->particles.mass[i] : lightest;
     for (int s = 0; s < sample->scene->n_stages; s++) {
-        struct contact_law_constants law = contact_law_constants_of(&sample->scene->stage[s].material);
+        struct contact_law_constants law =
+            contact_law_constants_of(&sample->scene->stage[s].material, sample->pairs.model.normal);
         double reduced = 0.5 * lightest, eta = law.gamma_n / (2 * reduced);
-        double omega2 = law.k2 / reduced - eta * eta;
+        double omega2 = law.stiffness / reduced - eta * eta;
         fprintf(out, "  stage %d %-12s dt %.3g s, ", s, sample->scene->stage[s].name, sample->scene->stage[s].dt_s);
         if (omega2 > 0)
             fprintf(out, "shortest contact time %.3g s = %.0f steps\n", pi / sqrt(omega2),
@@ -58,10 +73,7 @@ enum status explain_scene(FILE *out, const struct scene *scene)
     fprintf(out, "kernel  %s\n", kernel_set);
     fprintf(out, "modelled per particle: position, velocity, acceleration, force (%d components each)%s: %zu bytes\n",
             p->dimension, p->n_rotations ? ", rotation" : "; no rotation", bytes_per_particle(p));
-    fprintf(out, "modelled per candidate contact: force%s%s: %zu bytes\n",
-            sample->pairs.hysteretic ? ", largest overlap" : "",
-            sample->pairs.n_springs ? ", tangential spring, stick or slide" : "; no tangential force",
-            bytes_per_candidate(&sample->pairs, p->dimension));
+    explain_contacts(out, &sample->pairs, p->dimension);
     fprintf(out, "starting box %g x %g", sample_box_length_m(sample, 0), sample_box_length_m(sample, 1));
     if (p->dimension == 3)
         fprintf(out, " x %g", sample_box_length_m(sample, 2));

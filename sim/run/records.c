@@ -52,8 +52,8 @@ static enum status send_run_info(struct records *records, const struct sample *s
         .dimension = (int32_t)scene->dimension,
         .n_particles = sample->particles.count,
         .n_stages = (int32_t)scene->n_stages,
-        .frictional = sample->pairs.n_springs > 0,
-        .hysteretic = sample->pairs.hysteretic,
+        .frictional = sample->pairs.model.frictional,
+        .hysteretic = history_has(&sample->pairs.model, HISTORY_MAX_OVERLAP),
     };
     if (resumed) {
         message.n_resumed = RECORD_CHANNELS;
@@ -261,7 +261,7 @@ static enum status send_frame_contacts(struct records *records, const struct sam
     static int32_t i[MAX], j[MAX];
     static double overlap[MAX], normal_force[MAX], normal[3 * MAX], tangential[3 * MAX];
     static int8_t sliding[MAX];
-    const int dim = sample->particles.dimension, frictional = sample->pairs.n_springs > 0;
+    const int dim = sample->particles.dimension, frictional = sample->pairs.model.frictional;
     struct contact_columns columns = {i, j, overlap, normal_force, normal, tangential, sliding};
     fill_columns(contacts + chunk->first, chunk->count, dim, &columns);
     shakedown_frame_contacts_t message = {
@@ -306,7 +306,7 @@ static enum status send_particle_frames(struct records *records, const struct sa
 static enum status send_contact_frames(struct records *records, struct complete_sample whole)
 {
     const struct sample *sample = whole.sample;
-    const int dim = sample->particles.dimension, frictional = sample->pairs.n_springs > 0;
+    const int dim = sample->particles.dimension, frictional = sample->pairs.model.frictional;
     const int per_contact = 24 + 8 * dim + (frictional ? 8 * dim + 1 : 0);
     const int per_chunk = CHUNK_BYTES / per_contact;
     int count = measure_contacts(whole, NULL);

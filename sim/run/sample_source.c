@@ -4,20 +4,20 @@
 #include <string.h>
 
 #include "sim/run/checkpoint.h"
+#include "sim/sample/contact_state.h"
 
-static double overlap(const struct sample *sample, int l, int k)
+/* Column c of the history of contact k, where both models have it. */
+static double take_value(const struct sample *from, const struct contact_model *to, int l, int k, int c)
 {
-    const struct particles *p = &sample->particles;
-    const struct contact_list *list = sample_list(sample, l);
-    int i = list->i[k], j = list->j[k];
-    double d2 = 0;
-    if (l > 0) {
-        const struct wall *wall = &sample->walls[l - 1];
-        return p->radius[i] - wall->inward * (p->x[wall->axis][i] - wall->x);
-    }
-    for (int c = 0; c < p->dimension; c++)
-        d2 += (p->x[c][i] - p->x[c][j]) * (p->x[c][i] - p->x[c][j]);
-    return p->radius[i] + p->radius[j] - sqrt(d2);
+    const struct contact_list *old = sample_list(from, l);
+    const int spring = c - HISTORY_SPRING;
+    if (c == HISTORY_MAX_OVERLAP && !history_has(&old->model, c))
+        return fmax(contact_geometry_at(from, l, k).overlap, 0);
+    if (!history_has(&old->model, c))
+        return 0;
+    if (spring >= 0 && spring < 3 && !to->single) /* no place for what rounding left out */
+        return contact_list_spring(old, spring, k);
+    return contact_list_value(old, c, k);
 }
 
 /* Contacts of another model, unpadded: the lists are built anew from them. */
@@ -28,17 +28,11 @@ static enum status take_list(struct sample *to, const struct sample *from, int l
     TRY(contact_list_reserve(list, old->count, to->particles.dimension));
     list->count = old->count;
     for (int k = 0; k < old->count; k++) {
-        double delta = overlap(from, l, k);
         list->i[k] = old->i[k];
         list->j[k] = old->j[k];
-        if (list->hysteretic)
-            list->history[k] = old->hysteretic ? old->history[k] : delta > 0 ? delta : 0;
-        if (list->n_springs)
-            list->sliding[k] = old->n_springs ? old->sliding[k] : 0;
-        for (int c = 0; c < list->n_springs; c++) {
-            list->spring[c][k] = old->n_springs ? old->spring[c][k] : 0;
-            list->rest[c][k] = old->n_springs ? old->rest[c][k] : 0;
-        }
+        for (int c = 0; c < HISTORY_COLUMNS; c++)
+            if (history_has(&list->model, c))
+                list->history[c][k] = take_value(from, &list->model, l, k, c);
     }
     return STATUS_OK;
 }

@@ -9,11 +9,8 @@ struct contact_geometry {
     double overlap, n[3], distance;
 };
 
-/* Force on i and its tangential part [N], elastic part of the normal force [N], energy in the tangential spring [J]. */
-struct contact_forces {
-    double total[3], tangential[3];
-    double normal, elastic, spring_energy;
-};
+/* Of candidate k of list l (sample_list), from positions as they are in double. */
+struct contact_geometry contact_geometry_at(const struct sample *sample, int l, int k);
 
 /* Candidate k of list l (sample_list). False if it is open; `forces` is not set then. */
 bool contact_state_at(struct complete_sample whole, int l, int k, struct contact_geometry *geometry,

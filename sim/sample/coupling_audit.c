@@ -25,7 +25,7 @@ void coupling_audit_set_law(struct sample *sample)
     }
     /* a chain of mean particles on springs k2: the stiffest way through the sample */
     sample->audit.diameter_m = 2 * radius / p->count;
-    sample->audit.sound_m_per_s = sample->audit.diameter_m * sqrt(sample->law.k2 * p->count / mass);
+    sample->audit.sound_m_per_s = sample->audit.diameter_m * sqrt(sample->law.stiffness * p->count / mass);
 }
 
 void coupling_audit_stage_start(struct sample *sample)
@@ -103,7 +103,7 @@ static void advice(const struct sample *sample, int w, char *text, size_t size)
     double layer = DENSE;
     for (int c = 0; c < sample->particles.dimension; c++)
         layer *= c == w / 2 ? 1 : sample_box_length_m(sample, c) / sample->audit.diameter_m;
-    stiffness[w] = fmax(stiffness[w], layer * sample->law.k2);
+    stiffness[w] = fmax(stiffness[w], layer * sample->law.stiffness);
     damping[w] = fmax(damping[w], layer * sample->law.gamma_n);
     const int stable = wallctl_stable_steps(&sample->scene->coupling, axis, stiffness[w], damping[w], sample->dt);
     if (stable < 1 || sample->trajectory.n_steps == 1)

@@ -21,9 +21,7 @@ static void name_walls(struct sample *sample)
 {
     for (int w = 0; w < sample->n_walls; w++) {
         sample->walls[w] = (struct wall){.axis = w / 2, .inward = w % 2 ? -1 : 1};
-        sample->walls[w].contacts.hysteretic = sample->pairs.hysteretic;
-        sample->walls[w].contacts.n_springs = sample->pairs.n_springs;
-        sample->walls[w].contacts.single = sample->pairs.single;
+        sample->walls[w].contacts.model = sample->pairs.model;
     }
 }
 
@@ -34,22 +32,19 @@ static void place_walls(struct sample *sample, const double *lo, const double *h
 }
 
 /* Everything that does not need a state. */
-static enum status model(struct sample *sample, const struct scene *scene)
+static enum status set_model(struct sample *sample, const struct scene *scene)
 {
-    bool frictional = scene_is_frictional(scene), hysteretic = scene_is_hysteretic(scene);
-    bool single = scene->precision == PRECISION_MIXED;
-    int dimension = (int)scene->dimension;
+    const struct contact_model model = contact_model_of(scene);
+    const int dimension = model.dimension;
     sample->scene = scene;
     sample->stage = -1;
     sample->n_walls = scene_wall_count(scene);
     for (int c = 0; c < dimension && scene->gravity_m_per_s2.count; c++)
         sample->gravity[c] = scene->gravity_m_per_s2.value[sample_axis(sample, c)];
     TRY(instruction_set_select(&sample->isa));
-    sample->kernels = kernels_select(sample->isa, dimension, hysteretic, frictional, single);
-    TRY(particles_init(&sample->particles, (int)scene->sample.count, dimension, frictional, single));
-    sample->pairs.hysteretic = hysteretic;
-    sample->pairs.single = single;
-    sample->pairs.n_springs = sample->particles.n_rotations;
+    sample->kernels = kernels_select(sample->isa, &model);
+    TRY(particles_init(&sample->particles, (int)scene->sample.count, dimension, model.frictional, model.single));
+    sample->pairs.model = model;
     name_walls(sample);
     return STATUS_OK;
 }
@@ -60,7 +55,7 @@ static enum status create_and(struct sample **sample, const struct scene *scene,
     *sample = calloc(1, sizeof **sample);
     if (!*sample)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    enum status status = model(*sample, scene);
+    enum status status = set_model(*sample, scene);
     if (status == STATUS_OK && fill)
         status = fill(*sample);
     if (status != STATUS_OK) {
@@ -72,8 +67,8 @@ static enum status create_and(struct sample **sample, const struct scene *scene,
 
 enum status sample_init_lists(struct sample *sample)
 {
-    TRY(verlet_list_init(&sample->verlet, &sample->particles, sample->scene->neighbor.skin_ratio,
-                         sample->pairs.hysteretic, sample->isa));
+    TRY(verlet_list_init(&sample->verlet, &sample->particles, sample->scene->neighbor.skin_ratio, &sample->pairs.model,
+                         sample->isa));
     TRY(threads_init(&sample->threads, &sample->particles, sample->scene->threads));
     threads_cut(&sample->threads, &sample->particles, &sample->pairs);
     sample->verlet.renumber_steps =
@@ -142,9 +137,10 @@ const struct contact_list *sample_list(const struct sample *sample, int l)
 
 void sample_kernel_set(const struct sample *sample, char *text, size_t size)
 {
+    const struct contact_model *model = &sample->pairs.model;
     snprintf(text, size, "%s %dd %s %s%s", instruction_set_name(sample->isa), sample->particles.dimension,
-             sample->pairs.hysteretic ? "hysteretic" : "linear",
-             sample->pairs.n_springs ? "frictional" : "frictionless", sample->pairs.single ? " mixed" : "");
+             scene_law_name(model->normal), model->frictional ? "frictional" : "frictionless",
+             model->single ? " mixed" : "");
 }
 
 /* FNV-1a */

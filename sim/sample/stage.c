@@ -10,7 +10,7 @@ void sample_set_law(struct sample *sample)
 {
     sample->material = sample->stage < 0 ? NULL : &sample->scene->stage[sample->stage].material;
     if (sample->material) {
-        sample->law = contact_law_constants_of(sample->material);
+        sample->law = contact_law_constants_of(sample->material, sample->pairs.model.normal);
         coupling_audit_set_law(sample);
     }
 }

@@ -1,0 +1,32 @@
+/* The kernels of every model under the including file's ISA, and the table of them: [law][dimension - 2][frictional]
+ * [single]. */
+enum {
+    CHUNK = 8,         /* sets that go through a kernel's parts together */
+    ASK_AHEAD = 8,     /* sets, of what the caches do not hold */
+    CLOSE_EVERY = 1024 /* slots: sums in float stay short */
+};
+
+/* Sets of pairs (contact_list.h): j is the particle behind i; i are side by side; or in two halves. */
+enum pair_kind { PAIRS_NEXT, PAIRS_WHOLE, PAIRS_HALVES };
+
+#define MODEL_TEXT "sim/kernels/kernel_model.h"
+#include "sim/law/for_each_model.h"
+
+#define ENTRY(d, n, f, s)                                                                                              \
+    {                                                                                                                  \
+        NAME__(pair, ISA, d, n, f, s), NAME__(wall, ISA, d, n, f, s), NAME__(drift, ISA, d, n, f, s),                  \
+            NAME__(kick, ISA, d, n, f, s), NAME__(advance, ISA, d, n, f, s)                                            \
+    }
+#define DIMENSION(d, n)                                                                                                \
+    {                                                                                                                  \
+        {ENTRY(d, n, 0, 0), ENTRY(d, n, 0, 1)},                                                                        \
+        {                                                                                                              \
+            ENTRY(d, n, 1, 0), ENTRY(d, n, 1, 1)                                                                       \
+        }                                                                                                              \
+    }
+#define LAW(name, NAME_) {DIMENSION(2, name), DIMENSION(3, name)},
+#define TABLE__(isa)     kernel_table_##isa
+#define TABLE_(isa)      TABLE__(isa)
+
+extern const struct kernels TABLE_(ISA)[LAW_COUNT][2][2][2];
+const struct kernels TABLE_(ISA)[LAW_COUNT][2][2][2] = {CONTACT_LAWS(LAW)};

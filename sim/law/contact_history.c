@@ -1,0 +1,53 @@
+#include "sim/law/contact_history.h"
+
+static bool has_max_overlap(const struct contact_model *model)
+{
+    return model->normal == LAW_HYSTERETIC;
+}
+
+static bool has_friction(const struct contact_model *model)
+{
+    return model->frictional;
+}
+
+struct row {
+    struct history_field field;
+    bool (*has)(const struct contact_model *model);
+};
+
+#define NUMBER(name_, unit_, length_, has_)                                                                            \
+    {                                                                                                                  \
+        {.name = name_, .unit = unit_, .component = -1, .length = length_}, has_                                       \
+    }
+#define COMPONENT(name_, unit_, c, rest_, has_)                                                                        \
+    {                                                                                                                  \
+        {.name = name_, .unit = unit_, .component = c, .odd = true, .rest = rest_}, has_                               \
+    }
+
+static const struct row table[HISTORY_COLUMNS] = {
+    [HISTORY_MAX_OVERLAP] = NUMBER("max_overlap", "m", true, has_max_overlap),
+    [HISTORY_SPRING] = COMPONENT("spring", "m", 0, false, has_friction),
+    [HISTORY_SPRING + 1] = COMPONENT("spring", "m", 1, false, has_friction),
+    [HISTORY_SPRING + 2] = COMPONENT("spring", "m", 2, false, has_friction),
+    [HISTORY_SPRING_REST] = COMPONENT("spring_rest", "m", 0, true, has_friction),
+    [HISTORY_SPRING_REST + 1] = COMPONENT("spring_rest", "m", 1, true, has_friction),
+    [HISTORY_SPRING_REST + 2] = COMPONENT("spring_rest", "m", 2, true, has_friction),
+    [HISTORY_SLIDING] = NUMBER("sliding", "1", false, has_friction),
+};
+
+const struct history_field *history_field(int c)
+{
+    return &table[c].field;
+}
+
+bool history_has(const struct contact_model *model, int c)
+{
+    const struct history_field *field = &table[c].field;
+    const int components = model->dimension == 2 ? 1 : 3;
+    return table[c].has(model) && field->component < components && (model->single || !field->rest);
+}
+
+bool history_is_odd(const struct contact_model *model, int c)
+{
+    return model->dimension == 3 && table[c].field.odd;
+}

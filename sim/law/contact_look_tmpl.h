@@ -1,0 +1,31 @@
+/* What one contact does at a complete step, from the state alone: the law's own text for one lane in double, with no
+ * time passing. Parameters as of contact_law_tmpl.h; SINGLE 0. */
+
+/* history: columns of this one contact, changed to no purpose; lever_s: the time step that its spring is half of ahead.
+ */
+static void NAME(contact_look)(const struct contact_law_constants *constants, double lever_s,
+                               const struct NAME(meeting) * at, void *const *history, struct contact_forces *f)
+{
+    const struct NAME(law) law = NAME(law_of)(constants, 0, lever_s, 1);
+    const struct NAME(memory) memory = NAME(memory_at)(history, 0);
+    struct NAME(sums) sums = {0};
+    const struct NAME(touch) touch = NAME(touch)(&law, at, &memory, &sums);
+    const double elastic = NAME(normal_elastic)(&law.normal, at->delta, &memory.normal, &sums.own);
+    *f = (struct contact_forces){.normal = -touch.pressing,
+                                 .elastic_j = NAME(normal_energy)(&law.normal, at->delta, elastic)};
+#if FRICTIONAL
+    struct NAME(law) undamped = law;
+    undamped.lever -= law.gamma_t;
+    const struct NAME(touch) springs = NAME(touch)(&undamped, at, &memory, &sums);
+    f->spring_j = 0.5 * law.inv_kt * springs.pull2;
+#if DIM == 2
+    f->tangential[0] = touch.pull[0] * touch.n[1];
+    f->tangential[1] = -touch.pull[0] * touch.n[0];
+#else
+    for (int c = 0; c < 3; c++)
+        f->tangential[c] = -touch.pull[c];
+#endif
+#endif
+    for (int c = 0; c < DIM; c++)
+        f->total[c] = f->normal * touch.n[c] + f->tangential[c];
+}

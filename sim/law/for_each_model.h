@@ -1,0 +1,16 @@
+/* Includes MODEL_TEXT once for every model of contacts, with these macros set:
+ * NORMAL, NORMAL_TEXT: name of the normal law (CONTACT_LAWS, common/scene.h) and the file of its text; a new law is one
+ * more block here; DIM: 2 or 3; FRICTIONAL, SINGLE: 0 or 1. */
+#define NORMAL      linear
+#define NORMAL_TEXT "sim/law/normal_linear.h"
+#include "sim/law/for_each_dimension.h"
+#undef NORMAL
+#undef NORMAL_TEXT
+
+#define NORMAL      hysteretic
+#define NORMAL_TEXT "sim/law/normal_hysteretic.h"
+#include "sim/law/for_each_dimension.h"
+#undef NORMAL
+#undef NORMAL_TEXT
+
+#undef MODEL_TEXT

@@ -1,0 +1,41 @@
+/* MODEL_TEXT of contact_state.c: one contact of a sample in the law's own text, in double. */
+#if !SINGLE
+#include "sim/law/contact_law_tmpl.h"
+
+#include "sim/law/contact_look_tmpl.h"
+
+/* Contact k of list l, which touches. */
+static void NAME(contact_at)(const struct sample *sample, int l, int k, const struct contact_geometry *g,
+                             struct contact_forces *f)
+{
+    const struct particles *p = &sample->particles;
+    const struct contact_list *list = sample_list(sample, l);
+    const struct wall *wall = l > 0 ? &sample->walls[l - 1] : NULL;
+    const int i = list->i[k], j = list->j[k];
+    struct NAME(meeting) at = {.inverse = 1, .delta = g->overlap};
+    double values[HISTORY_COLUMNS] = {0};
+    void *history[HISTORY_COLUMNS];
+    for (int c = 0; c < DIM; c++) {
+        at.d[c] = g->n[c];
+        at.g[c] = p->v[c][i] - (!wall ? p->v[c][j] : wall->axis == c ? wall->v : 0);
+    }
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++) {
+        at.w[c] = p->radius[i] * p->omega[c][i] + (wall ? 0 : p->radius[j] * p->omega[c][j]);
+#if DIM == 3
+        at.spin[c] = 0; /* no time passes */
+#endif
+    }
+#endif
+    for (int c = 0; c < HISTORY_COLUMNS; c++) {
+        history[c] = &values[c];
+        if (history_has(&list->model, c) && !history_field(c)->rest)
+            values[c] = contact_list_value(list, c, k);
+    }
+#if FRICTIONAL
+    for (int c = 0; c < SPRINGS; c++)
+        values[HISTORY_SPRING + c] = contact_list_spring(list, c, k);
+#endif
+    NAME(contact_look)(&sample->law, sample->dt, &at, history, f);
+}
+#endif
