@@ -74,6 +74,13 @@ wait_a_while() {
     sleep "$(printf '0.%03d' $((RANDOM * whole_ms / 32768)))"
 }
 
+at_work() { # prints the command lines of those who have the run's folder locked
+    local fd
+    for fd in /proc/[0-9]*/fd/*; do
+        [ ! "$fd" -ef run/log ] || tr '\0' ' ' <"${fd%/fd/*}/cmdline"
+    done
+}
+
 fingerprint() { # DIR: what two equal runs have in common
     local group
     h5dump -a complete "$1/run.h5" | grep -q '(0): 1' || return
@@ -101,7 +108,7 @@ judge() { # KIND
     [ "$code" -ne 124 ] || { note_bad "$1" "the driver hung" && return; }
     [ "$code" -eq 0 ] || count "$1" resumed
     for ((k = 0; code != 0 && k < 3; k++)); do
-        flock -w "$settle_after_s" run/log true || { note_bad "$1" "processes stay" && return; }
+        flock -w "$settle_after_s" run/log true || { note_bad "$1" "processes stay: $(at_work)" && return; }
         start_driver --resume run
         await_driver
     done
@@ -132,7 +139,7 @@ kill_one() { # NAME
 fault_kill_sim() { kill_one sim; }
 fault_kill_wallctl() { kill_one wallctl; }
 fault_kill_recorder() { kill_one recorder; }
-fault_kill_launcher() { hit KILL "$driver"; }
+fault_kill_launcher() { [ -e run/run-id ] && hit KILL "$driver"; } # before, nothing has begun
 
 fault_kill_all() {
     local pids
