@@ -98,7 +98,7 @@ count() { # KIND WHAT
 note_bad() { # KIND WHY
     count "$1" bad
     echo "faults: $1: $2" >&3
-    tail -n 8 last.out >&3
+    tail -n 20 last.out >&3
 }
 
 # Goes on until the run is whole, and compares.
@@ -106,6 +106,7 @@ judge() { # KIND
     local k
     [ "${longest_ms[$1]:-0}" -ge "$ended_ms" ] || longest_ms[$1]=$ended_ms
     [ "$code" -ne 124 ] || { note_bad "$1" "the driver hung" && return; }
+    [ "$ended_ms" -le "${settle_after_s}000" ] || note_bad "$1" "the driver took $ended_ms ms to end"
     [ "$code" -eq 0 ] || count "$1" resumed
     for ((k = 0; code != 0 && k < 3; k++)); do
         flock -w "$settle_after_s" run/log true || { note_bad "$1" "processes stay: $(at_work)" && return; }
