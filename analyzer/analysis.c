@@ -8,32 +8,30 @@
 #include "analyzer/shear.h"
 #include "analyzer/undrained.h"
 
-/* A residual at the last sample over the work done in the stage: the net work, or the sum of its absolute changes from
- * sample to sample where the net is below a tenth of that (cycles give back what they took). */
-static void over_work(const struct curves *curves, enum curve of, struct quantity *quantity)
+static void over_work(const struct analysis *analysis, enum observable of, struct quantity *quantity)
 {
-    const double *work = curves->column[CURVE_WORK];
-    double total = 0;
-    for (size_t k = 1; k < curves->n; k++)
-        total += fabs(work[k] - work[k - 1]);
-    if (!(total > 0)) {
-        quantity_undefined(quantity, "no work was done in the stage");
-        return;
-    }
-    double net = fabs(work[curves->n - 1]), residual = fabs(curves->column[of][curves->n - 1]);
-    if (isnan(residual)) {
+    const struct run *run = &analysis->run;
+    size_t begin, end;
+    bool net = true;
+    run_stage_range(run, analysis->curves.stage, &begin, &end);
+    if (begin < end && isnan(*run_record(run, of, end - 1))) {
         quantity_undefined(quantity, "not recorded: the run is of an earlier version");
         return;
     }
-    bool use_net = net >= total / 10;
-    quantity_set(quantity, (struct estimate){residual / (use_net ? net : total), NAN});
-    if (!use_net)
+    const double residual = begin < end ? judgement_residual(run, of, begin, end, &net) : NAN;
+    if (isnan(residual)) {
+        quantity_undefined(quantity, "no work was done in the stage");
+        return;
+    }
+    quantity_set(quantity, (struct estimate){residual, NAN});
+    if (!net)
         quantity_note(quantity, "over the sum of absolute work: the net work is small");
 }
 
 /* What needs no particular protocol. */
-static void state_quantities(const struct curves *curves, struct quantity *q)
+static void state_quantities(const struct analysis *analysis, struct quantity *q)
 {
+    const struct curves *curves = &analysis->curves;
     static const struct {
         enum quantity_id id;
         enum curve from;
@@ -46,9 +44,9 @@ static void state_quantities(const struct curves *curves, struct quantity *q)
         else
             quantity_undefined(&q[initial[k].id], "the stage has no samples");
     }
-    over_work(curves, CURVE_ENERGY_RESIDUAL, &q[QUANTITY_ENERGY_RESIDUAL]);
-    over_work(curves, CURVE_INTERFACE_RESIDUAL, &q[QUANTITY_INTERFACE_RESIDUAL]);
-    over_work(curves, CURVE_CONTROLLER_RESIDUAL, &q[QUANTITY_CONTROLLER_RESIDUAL]);
+    over_work(analysis, OBSERVABLE_ENERGY_RESIDUAL, &q[QUANTITY_ENERGY_RESIDUAL]);
+    over_work(analysis, OBSERVABLE_INTERFACE_RESIDUAL, &q[QUANTITY_INTERFACE_RESIDUAL]);
+    over_work(analysis, OBSERVABLE_CONTROLLER_RESIDUAL, &q[QUANTITY_CONTROLLER_RESIDUAL]);
     quantity_set(&q[QUANTITY_STRESS_DIFFERENCE], (struct estimate){curves->stress_difference, NAN});
 }
 
@@ -90,14 +88,53 @@ static enum status evaluate_kind(struct analysis *analysis)
     }
 }
 
+static void stress_error(struct analysis *analysis)
+{
+    size_t begin, end;
+    double mean, largest;
+    run_stage_range(&analysis->run, analysis->curves.stage, &begin, &end);
+    judgement_stress_error(&analysis->run, analysis->curves.stage, begin, end, &mean, &largest);
+    quantity_set(&analysis->quantity[QUANTITY_STRESS_ERROR_MEAN], (struct estimate){mean, NAN});
+    quantity_set(&analysis->quantity[QUANTITY_STRESS_ERROR_MAX], (struct estimate){largest, NAN});
+    if (isnan(mean))
+        for (int id = QUANTITY_STRESS_ERROR_MEAN; id <= QUANTITY_STRESS_ERROR_MAX; id++)
+            quantity_undefined(&analysis->quantity[id], "no axis has a stress as its target");
+}
+
+/* Whether a quantity needs no more than what was recorded: an initial slope or a peak that lies behind, of a stage that
+ * did not end. */
+static bool is_known(const struct curves *curves, enum quantity_id id, const struct quantity *quantity)
+{
+    if (quantity_belongs(id, TEST_NONE) || isnan(quantity->value))
+        return true;
+    if (id == QUANTITY_RESIDUAL_SIGMA_CORR || id == QUANTITY_RESIDUAL_STRESS_RATIO ||
+        (id >= QUANTITY_CRITICAL_SIN_PHI && id <= QUANTITY_CRITICAL_Q_OVER_P))
+        return false;
+    const bool sheared = quantity_belongs(id, TEST_SHEAR), behind = quantity->has_window && curves->n > 0;
+    return sheared && behind && quantity->window[1] < 0.99 * fabs(curves->column[CURVE_EPS_ZZ][curves->n - 1]);
+}
+
+/* A stage that did not end is not evaluated as if it had. */
+static void unfinished(struct analysis *analysis)
+{
+    for (int k = 0; k < QUANTITIES; k++)
+        if (!is_known(&analysis->curves, (enum quantity_id)k, &analysis->quantity[k]))
+            quantity_undefined(&analysis->quantity[k], "the stage did not end: %.100s", analysis->judgement.headline);
+    analysis->cycles.verdict = VERDICT_UNDETERMINED;
+}
+
 static enum status evaluate(struct analysis *analysis)
 {
     TRY(curves_extract(&analysis->curves, &analysis->run));
     for (int k = 0; k < QUANTITIES; k++)
         quantity_undefined(&analysis->quantity[k], "not of this kind of test: %s",
                            controls_name(&analysis->curves.controls, analysis->run.dimension));
+    judgement_make(&analysis->judgement, &analysis->run, analysis->curves.stage);
     TRY(evaluate_kind(analysis));
-    state_quantities(&analysis->curves, analysis->quantity);
+    if (!analysis->judgement.ended)
+        unfinished(analysis);
+    state_quantities(analysis, analysis->quantity);
+    stress_error(analysis);
     inertial_number(&analysis->curves, analysis->quantity);
     return STATUS_OK;
 }

@@ -4,6 +4,7 @@
 
 #include "analyzer/curves.h"
 #include "analyzer/cycles.h"
+#include "analyzer/judgement.h"
 #include "analyzer/quantity.h"
 #include "analyzer/run_file.h"
 #include "analyzer/stiffness.h"
@@ -15,6 +16,7 @@ struct analysis {
     struct curves curves; /* points into run.scene */
     struct cycles cycles;
     struct stiffness stiffness; /* empty unless the stage is a shear test */
+    struct judgement judgement;
     struct quantity quantity[QUANTITIES];
 };
 

@@ -222,7 +222,8 @@ enum status cycles_evaluate(struct cycles *cycles, const struct curves *curves)
     if (curves->controls.kind != TEST_CYCLIC || curves->n < 2)
         return STATUS_OK;
     double last = curves->column[CURVE_STAGE_TIME][curves->n - 1];
-    cycles->n = (size_t)floor(last / period_of(curves) + 1e-6); /* times are sums of steps */
+    const double finished = floor(last / period_of(curves) + 1e-6);                    /* times are sums of steps */
+    cycles->n = finished >= 1 && finished <= (double)curves->n ? (size_t)finished : 0; /* a cycle has samples */
     if (cycles->n == 0)
         return STATUS_OK;
     cycles->cycle = calloc(cycles->n, sizeof *cycles->cycle);

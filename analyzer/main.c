@@ -60,20 +60,22 @@ static enum status options_read(int argc, char **argv, struct options *options, 
 static enum status report(const struct analysis *analysis, const struct options *options, struct ensemble *ensemble)
 {
     int n_plots = 0;
-    if (!analysis->run.complete)
-        fprintf(stderr, "analyzer: warning: %s: the run is INCOMPLETE%s%s; analysed as far as it goes (t = %g s)\n",
-                analysis->directory, analysis->run.reason[0] ? ": " : "", analysis->run.reason,
-                analysis->run.n_samples ? analysis->run.time_s[analysis->run.n_samples - 1] : 0);
+    double key_value = 0;
+    if (options->series)
+        TRY(series_key_value(analysis->run.scene, options->series, &key_value));
     TRY(analysis_write(analysis));
     report_table_print(stdout, analysis);
     TRY(ensemble_add(ensemble, analysis));
-    if (options->series)
-        TRY(series_key_value(analysis->run.scene, options->series, &ensemble->member[ensemble->n - 1].key_value));
+    ensemble->member[ensemble->n - 1].key_value = key_value;
     if (options->plots)
         TRY(plots_write(analysis, &n_plots));
     printf("results: %s/analysis.json, curves.csv%s, %d plots (.svg, .png)\n\n", analysis->directory,
            analysis->curves.controls.kind == TEST_CYCLIC ? ", cycles.csv" : "", n_plots);
-    return STATUS_OK;
+    const struct judgement *judgement = &analysis->judgement;
+    if (judgement->verdict == WORTH_SOUND)
+        return STATUS_OK;
+    return status_fail(judgement->status, "%s: the result %s (%s)", analysis->directory,
+                       judgement->verdict == WORTH_FAILED ? "failed" : "is doubtful", judgement->headline);
 }
 
 static enum status analyse(const char *directory, const struct options *options, struct ensemble *ensemble)

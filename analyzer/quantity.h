@@ -79,6 +79,8 @@
     X(RELAXATION_TIME, "relaxation.time_s", "s", RELAXATION)                                                           \
     X(INERTIAL_MEAN, "inertial_number.mean", "1", ANY)                                                                 \
     X(INERTIAL_MAX, "inertial_number.max", "1", ANY)                                                                   \
+    X(STRESS_ERROR_MEAN, "stress_error.mean", "1", ANY)                                                                \
+    X(STRESS_ERROR_MAX, "stress_error.max", "1", ANY)                                                                  \
     X(ENERGY_RESIDUAL, "energy_residual", "1", ANY)                                                                    \
     X(INTERFACE_RESIDUAL, "interface_residual", "1", ANY)                                                              \
     X(CONTROLLER_RESIDUAL, "controller_residual", "1", ANY)                                                            \

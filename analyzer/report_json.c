@@ -65,6 +65,20 @@ static json_t *stage_json(const struct analysis *analysis)
                      report_json_number(curves->controls.lateral_pressure_pa));
 }
 
+static json_t *notes_json(const struct judgement *judgement)
+{
+    json_t *list = json_array();
+    int failed = 0;
+    for (size_t k = 0; k < judgement->n; k++)
+        failed |= json_array_append_new(
+            list, json_pack("{s:s, s:s, s:s}", "stage", judgement->note[k].stage, "severity",
+                            judgement_severity_name(judgement->note[k].severity), "text", judgement->note[k].text));
+    if (!failed)
+        return list;
+    json_decref(list);
+    return NULL;
+}
+
 static json_t *cycle_json(const struct cycle *cycle, size_t number)
 {
     return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "cycle", (json_int_t)number, "eps_d",
@@ -98,6 +112,8 @@ static json_t *analysis_json(const struct analysis *analysis)
     int failed = report_json_set(root, "run", run_json(analysis));
     failed |= report_json_set(root, "stage", stage_json(analysis));
     failed |= report_json_set(root, "analyzer_version", json_string(SHAKEDOWN_VERSION));
+    failed |= report_json_set(root, "verdict", json_string(judgement_worth_name(analysis->judgement.verdict)));
+    failed |= report_json_set(root, "notes", notes_json(&analysis->judgement));
     failed |= report_json_set(root, "complete", json_boolean(analysis->run.complete));
     for (int k = 0; k < QUANTITIES; k++)
         if (quantity_belongs((enum quantity_id)k, analysis->curves.controls.kind))

@@ -36,6 +36,15 @@ static void quantity_print(FILE *out, enum quantity_id id, const struct quantity
             quantity->text);
 }
 
+static void judgement_print(FILE *out, const struct judgement *judgement)
+{
+    for (size_t k = 0; k < judgement->n; k++)
+        fprintf(out, "  %s%s%s%s: %s\n", judgement_severity_name(judgement->note[k].severity),
+                judgement->note[k].stage[0] ? " (stage \"" : "", judgement->note[k].stage,
+                judgement->note[k].stage[0] ? "\")" : "", judgement->note[k].text);
+    fprintf(out, "  verdict: %s\n", judgement_worth_name(judgement->verdict));
+}
+
 static void legend_print(FILE *out, const struct analysis *analysis)
 {
     const int d = analysis->run.dimension;
@@ -57,7 +66,7 @@ void report_table_print(FILE *out, const struct analysis *analysis)
     const struct curves *curves = &analysis->curves;
     const char *verdict = cycles_verdict_name(analysis->cycles.verdict);
     fprintf(out, "%s: run \"%s\", seed %lld, version %s, kernels %s, %s\n", analysis->directory, run->name,
-            (long long)run->seed, run->version, run->kernel_set, run->complete ? "complete" : "INCOMPLETE");
+            (long long)run->seed, run->version, run->kernel_set, analysis->judgement.headline);
     fprintf(out, "stage \"%s\" (%d of %d): %s, %zu samples\n", curves->protocol->name, curves->stage + 1,
             (int)run->scene->n_stages, controls_name(&curves->controls, run->dimension), curves->n);
     fprintf(out, "  %-34s %12s %12s %-6s %-22s\n", "quantity", "value", "uncertainty", "unit", "window");
@@ -68,4 +77,5 @@ void report_table_print(FILE *out, const struct analysis *analysis)
         fprintf(out, "  %-34s %12s (confidence %.3f; %zu cycles; %s)\n", "cycles.classification", verdict,
                 analysis->cycles.confidence, analysis->cycles.n, analysis->cycles.criterion);
     legend_print(out, analysis);
+    judgement_print(out, &analysis->judgement);
 }

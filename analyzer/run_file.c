@@ -17,6 +17,8 @@ static const struct observable_info {
 #undef OBSERVABLE_INFO
 };
 
+enum { RECORDS_MAX = 100000000, TEXT_MAX = 1 << 20 };
+
 static enum status missing(const char *path, const char *object, const char *what)
 {
     return status_fail(STATUS_FORMAT, "%s: %s: %s", path, object, what);
@@ -39,7 +41,8 @@ static char *attribute_text(hid_t attribute)
             }
         }
     } else if (H5Tget_class(stored) == H5T_STRING) {
-        text = calloc(H5Tget_size(stored) + 1, 1);
+        const size_t size = H5Tget_size(stored);
+        text = size <= TEXT_MAX ? calloc(size + 1, 1) : NULL;
         if (text && H5Aread(attribute, stored, text) < 0) {
             free(text);
             text = NULL;
@@ -116,6 +119,8 @@ static enum status root_read(hid_t file, const char *path, struct run *run)
     run->complete = complete == 1;
     if (run->complete || attribute_exists(file, "elapsed_s"))
         TRY(number_read(file, path, "/", "elapsed_s", H5T_NATIVE_DOUBLE, &run->elapsed_s));
+    if (attribute_exists(file, "status"))
+        TRY(number_read(file, path, "/", "status", H5T_NATIVE_INT, &run->status));
     if (attribute_exists(file, "reason"))
         TRY(short_text_read(file, path, "/", "reason", run->reason, sizeof run->reason));
     return STATUS_OK;
@@ -157,7 +162,8 @@ static size_t shape_width(enum observable_shape shape, int dimension)
     return shape == SHAPE_SCALAR ? 1 : shape == SHAPE_VECTOR ? d : d * d;
 }
 
-/* Number of records of an open dataset of shape [n] or [n][width]; a scalar may also be stored as [n][1]. */
+/* Number of records of an open dataset of shape [n] or [n][width]; a scalar may also be stored as [n][1]. The extents
+ * are the file's word: they are checked before anything is multiplied or allocated. */
 static enum status records_count(hid_t dataset, const char *path, const char *object, size_t width, size_t *count)
 {
     hsize_t size[H5S_MAX_RANK] = {0};
@@ -167,11 +173,17 @@ static enum status records_count(hid_t dataset, const char *path, const char *ob
     if (space >= 0 && H5Sclose(space) < 0)
         good = false;
     hsize_t row = 1;
-    for (int k = 1; good && k < rank; k++)
-        row *= size[k];
+    for (int k = 1; good && k < rank; k++) {
+        good = size[k] <= width; /* so that no product of what follows overflows */
+        row *= good ? size[k] : 0;
+        good = good && row <= width;
+    }
     if (!good || row != width)
         return status_fail(STATUS_FORMAT, "%s: %s: wrong shape, expected [samples]%s of %zu", path, object,
                            width > 1 ? " rows" : "", width);
+    if (size[0] > RECORDS_MAX)
+        return status_fail(STATUS_FORMAT, "%s: %s: claims %llu records; at most %d are read", path, object,
+                           (unsigned long long)size[0], (int)RECORDS_MAX);
     *count = (size_t)size[0];
     return STATUS_OK;
 }
@@ -215,7 +227,8 @@ static enum status length_take(struct run *run, const char *path, const char *ob
 /* Files of earlier versions have none of these. */
 static bool is_optional(enum observable observable)
 {
-    return observable == OBSERVABLE_CONTROLLER_RESIDUAL;
+    return observable == OBSERVABLE_CONTROLLER_RESIDUAL || observable == OBSERVABLE_ELASTIC_NORMAL ||
+           observable == OBSERVABLE_ELASTIC_TANGENTIAL;
 }
 
 static bool is_absent(hid_t file, enum observable observable)
@@ -234,6 +247,18 @@ static enum status fill_absent(struct run *run, const char *path, int observable
         return status_fail(STATUS_NO_MEMORY, "%s: out of memory", path);
     for (size_t k = 0; k < count; k++)
         value[k] = NAN;
+    return STATUS_OK;
+}
+
+/* Steps and times are what all else is ordered by. */
+static enum status times_check(const char *path, const struct run *run)
+{
+    static const double step_max = 9e15; /* a double counts steps up to there */
+    for (size_t k = 0; k < run->n_samples; k++) {
+        const double stage_time = run->value[OBSERVABLE_STAGE_TIME][k];
+        if (!(fabs(run->step[k]) < step_max) || !isfinite(run->time_s[k]) || !isfinite(stage_time))
+            return status_fail(STATUS_FORMAT, "%s: /observables/stage: record %zu has no step or no time", path, k);
+    }
     return STATUS_OK;
 }
 
@@ -257,6 +282,7 @@ static enum status observables_read(hid_t file, const char *path, struct run *ru
     for (int k = 0; k < OBSERVABLES; k++)
         if (!run->value[k])
             TRY(fill_absent(run, path, k));
+    TRY(times_check(path, run));
     run->steps = run->n_samples ? (int64_t)run->step[run->n_samples - 1] : 0;
     return STATUS_OK;
 }
@@ -271,11 +297,69 @@ static enum status boxes_check(const char *path, const struct run *run)
     return STATUS_OK;
 }
 
+/* "stage;severity;text" */
+static void note_parse(const char *line, struct run_note *note)
+{
+    static const char *const severities[] = {"note", "doubtful", "failed"};
+    const char *first = strchr(line, ';'), *second = first ? strchr(first + 1, ';') : NULL;
+    if (!second) {
+        snprintf(note->text, sizeof note->text, "%s", line);
+        return;
+    }
+    snprintf(note->stage, sizeof note->stage, "%.*s", (int)(first - line < 127 ? first - line : 127), line);
+    snprintf(note->text, sizeof note->text, "%s", second + 1);
+    const size_t length = (size_t)(second - first - 1);
+    for (int k = 0; k < 3; k++)
+        if (strlen(severities[k]) == length && strncmp(first + 1, severities[k], length) == 0)
+            note->severity = k;
+}
+
+/* Texts of one fixed length, as the recorder writes them. */
+static enum status note_texts_read(hid_t dataset, hid_t type, const char *path, struct run *run)
+{
+    size_t count;
+    TRY(records_count(dataset, path, "/notes", 1, &count));
+    const size_t size = H5Tget_size(type);
+    if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || size > TEXT_MAX)
+        return missing(path, "/notes", "are no texts of a fixed length");
+    if (count > RUN_NOTES_MAX)
+        return status_fail(STATUS_FORMAT, "%s: /notes: %zu texts; at most %d are read", path, count,
+                           (int)RUN_NOTES_MAX);
+    char *texts = calloc(count + 1, size + 1), *line = calloc(size + 1, 1);
+    run->note = calloc(count + 1, sizeof *run->note);
+    enum status status = STATUS_OK;
+    if (!texts || !line || !run->note)
+        status = status_fail(STATUS_NO_MEMORY, "%s: out of memory", path);
+    else if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts) < 0)
+        status = missing(path, "/notes", "cannot be read (damaged?)");
+    for (size_t k = 0; status == STATUS_OK && k < count; k++) {
+        memcpy(line, texts + k * size, size);
+        note_parse(line, &run->note[run->n_notes++]);
+    }
+    free(texts);
+    free(line);
+    return status;
+}
+
+/* Files of earlier versions have none. */
+static enum status notes_read(hid_t file, const char *path, struct run *run)
+{
+    if (H5Lexists(file, "/notes", H5P_DEFAULT) <= 0)
+        return STATUS_OK;
+    hid_t dataset = H5Dopen2(file, "/notes", H5P_DEFAULT);
+    hid_t type = dataset < 0 ? -1 : H5Dget_type(dataset);
+    enum status status =
+        type < 0 ? missing(path, "/notes", "cannot be opened") : note_texts_read(dataset, type, path, run);
+    const bool closed = (type < 0 || H5Tclose(type) >= 0) && (dataset < 0 || H5Dclose(dataset) >= 0);
+    return closed || status != STATUS_OK ? status : missing(path, "/notes", "cannot be closed");
+}
+
 static enum status file_read(hid_t file, const char *path, struct run *run)
 {
     TRY(root_read(file, path, run));
     TRY(parameters_read(file, path, run));
     TRY(observables_read(file, path, run));
+    TRY(notes_read(file, path, run));
     return boxes_check(path, run);
 }
 
@@ -303,6 +387,7 @@ void run_free(struct run *run)
     if (run->scene)
         scene_free(run->scene);
     free(run->scene);
+    free(run->note);
     free(run->step);
     free(run->time_s);
     for (int k = 0; k < OBSERVABLES; k++)

@@ -28,6 +28,8 @@ enum observable_shape { SHAPE_SCALAR, SHAPE_VECTOR, SHAPE_TENSOR }; /* 1, D, D x
     X(SLIDING_FRACTION, "sliding_fraction", SHAPE_SCALAR)                                                              \
     X(MAX_OVERLAP_RATIO, "max_overlap_ratio", SHAPE_SCALAR)                                                            \
     X(INERTIAL_NUMBER, "inertial_number", SHAPE_SCALAR)                                                                \
+    X(ELASTIC_NORMAL, "elastic_energy_normal_j", SHAPE_SCALAR)                                                         \
+    X(ELASTIC_TANGENTIAL, "elastic_energy_tangential_j", SHAPE_SCALAR)                                                 \
     X(KINETIC_ENERGY, "kinetic_energy_j", SHAPE_SCALAR)                                                                \
     X(WORK_WALLS, "work_walls_j", SHAPE_SCALAR)                                                                        \
     X(WORK_GRAVITY, "work_gravity_j", SHAPE_SCALAR)                                                                    \
@@ -42,6 +44,15 @@ enum observable {
         OBSERVABLES
 };
 
+/* What the simulator noted about its own run: dataset /notes, texts "stage;severity;text". */
+struct run_note {
+    char stage[128]; /* "": of the run */
+    int severity;    /* 0 a note, 1 doubtful, 2 failed */
+    char text[384];
+};
+
+enum { RUN_NOTES_MAX = 64 };
+
 struct run {
     char name[256];
     char version[64];
@@ -49,10 +60,13 @@ struct run {
     char reason[256]; /* why the simulator stopped; "" if it ended well, or if the run has no END */
     int64_t seed;
     int dimension;    /* D: 2 or 3 */
+    int status;       /* of the simulator, a code of common/status.h; 0: it ended well, or there is no END */
     bool complete;    /* the recorder proved the run complete */
     double elapsed_s; /* wall-clock; NaN without END */
     int64_t steps;    /* step of the last sample; 0 without samples */
     struct scene *scene;
+    size_t n_notes;
+    struct run_note *note; /* [n_notes] */
     size_t n_samples;
     double *step;               /* [n_samples] */
     double *time_s;             /* [n_samples] */
@@ -64,7 +78,8 @@ struct run {
  * An incomplete run (attribute complete other than 1) is read as far as all observables go. Of a run of an earlier
  * version, which has no controller_residual_j, that is NaN.
  * Errors, each naming file and object: STATUS_IO (cannot be opened), STATUS_FORMAT (not HDF5, truncated; a dataset or
- * an attribute is missing, of another shape, or not finite where a number is needed), STATUS_CONFIG (effective_config),
+ * an attribute is missing, of another shape, of an extent that the file cannot hold, or not finite where a number is
+ * needed), STATUS_CONFIG (effective_config),
  * STATUS_NO_MEMORY. */
 enum status run_read(struct run *run, const char *path) MUST_USE;
 

@@ -60,6 +60,27 @@ static void libconfig_path(const char *key, char *path, size_t size)
     path[used] = '\0';
 }
 
+/* The numbers of the group that a path leads to but for its last part; "" if there is no such group. */
+static void neighbours_list(const config_t *config, const char *path, char *list, size_t size)
+{
+    char group[256];
+    snprintf(group, sizeof group, "%s", path);
+    char *dot = strrchr(group, '.');
+    if (dot)
+        *dot = '\0';
+    const config_setting_t *parent = dot ? config_lookup(config, group) : config_root_setting(config);
+    size_t used = 0;
+    for (int k = 0; parent && config_setting_is_group(parent) && k < config_setting_length(parent); k++) {
+        const config_setting_t *member = config_setting_get_elem(parent, (unsigned)k);
+        if (!config_setting_is_number(member))
+            continue;
+        const int length = snprintf(list + used, size - used, "%s%s", used ? ", " : "", config_setting_name(member));
+        if (length < 0 || (size_t)length >= size - used)
+            return;
+        used += (size_t)length;
+    }
+}
+
 static enum status lookup(const char *text, const char *key, double *value)
 {
     config_t config;
@@ -69,9 +90,12 @@ static enum status lookup(const char *text, const char *key, double *value)
     libconfig_path(key, path, sizeof path);
     if (config_read_string(&config, text) != CONFIG_TRUE)
         status = status_fail(STATUS_FORMAT, "the scene in force cannot be read: %s", config_error_text(&config));
+    char keys[700] = "";
+    neighbours_list(&config, path, keys, sizeof keys);
     const config_setting_t *found = status == STATUS_OK ? config_lookup(&config, path) : NULL;
     if (status == STATUS_OK && !(found && config_setting_is_number(found)))
-        status = status_fail(STATUS_USAGE, "--series: '%s' is no number of the scene", key);
+        status = status_fail(STATUS_USAGE, "--series: '%s' is no number of the scene%s%s", key,
+                             keys[0] ? "; numbers there: " : "; keys: docs/scene-reference.md", keys);
     else if (status == STATUS_OK && config_setting_type(found) == CONFIG_TYPE_FLOAT)
         *value = config_setting_get_float(found);
     else if (status == STATUS_OK)

@@ -338,8 +338,9 @@ static int program_run(const char *arguments, char *text, size_t size)
     return WEXITSTATUS(how);
 }
 
-/* One good run, cut off, and one directory without a run: a warning, an error, exit code 5, and the ensemble of what
- * there is. */
+/* One good run, cut off, and one directory without a run: a verdict, an error, the exit code of the first, and the
+ * ensemble of what there is. A series over a key that is none: an error that names those that are there, and no table.
+ */
 static void program(void **state)
 {
     const struct place *place = *state;
@@ -347,8 +348,9 @@ static void program(void **state)
     biaxial_written(place->directory, false, NULL);
     snprintf(arguments, sizeof arguments, "--no-plots --out %s %s %s/nowhere", place->directory, place->directory,
              place->directory);
-    assert_int_equal(program_run(arguments, text, sizeof text), 5);
-    assert_non_null(strstr(text, "INCOMPLETE"));
+    assert_int_equal(program_run(arguments, text, sizeof text), 9);
+    assert_non_null(strstr(text, "INTERRUPTED at"));
+    assert_non_null(strstr(text, "verdict: failed"));
     assert_non_null(strstr(text, "nowhere/run.h5: No such file"));
     assert_non_null(strstr(text, "peak.sigma_corr_pa"));
     json_t *root = json_of(place->directory, "analysis.json");
@@ -357,6 +359,11 @@ static void program(void **state)
     root = json_of(place->directory, "ensemble.json");
     assert_near(json_number_value(json_object_get(root, "n_incomplete")), 1, 0);
     json_decref(root);
+    biaxial_written(place->directory, true, NULL);
+    snprintf(arguments, sizeof arguments, "--no-plots --series material.mus %s", place->directory);
+    assert_int_equal(program_run(arguments, text, sizeof text), 2);
+    assert_non_null(strstr(text, "'material.mus' is no number of the scene; numbers there: kn_n_per_m, k1_n_per_m"));
+    assert_null(strstr(text, "series over"));
     assert_int_equal(program_run("", text, sizeof text), 2);
     assert_int_equal(program_run("--unknown x", text, sizeof text), 2);
     assert_int_equal(program_run("--help", text, sizeof text), 0);

@@ -139,6 +139,38 @@ static void dataset_write(hid_t file, const char *path, size_t n, size_t columns
     assert_true(H5Dclose(dataset) >= 0 && H5Sclose(space) >= 0 && H5Pclose(links) >= 0);
 }
 
+/* A dataset of 2^40 rows of which none is there. */
+static void huge_write(hid_t file, const char *path, size_t columns)
+{
+    hsize_t size[2] = {(hsize_t)1 << 40, columns}, chunk[2] = {64, columns};
+    hid_t links = H5Pcreate(H5P_LINK_CREATE), layout = H5Pcreate(H5P_DATASET_CREATE);
+    hid_t space = H5Screate_simple(columns > 1 ? 2 : 1, size, NULL);
+    assert_true(H5Pset_create_intermediate_group(links, 1) >= 0);
+    assert_true(H5Pset_chunk(layout, columns > 1 ? 2 : 1, chunk) >= 0);
+    hid_t dataset = H5Dcreate2(file, path, H5T_NATIVE_DOUBLE, space, links, layout, H5P_DEFAULT);
+    assert_true(dataset >= 0 && H5Dclose(dataset) >= 0);
+    assert_true(H5Sclose(space) >= 0 && H5Pclose(links) >= 0 && H5Pclose(layout) >= 0);
+}
+
+/* Texts of 512 bytes, as the recorder writes them. */
+static void notes_write(hid_t file, const struct run *run)
+{
+    enum { BYTES = 512 };
+    static const char *const severities[] = {"note", "doubtful", "failed"};
+    hsize_t size = run->n_notes;
+    char *texts = calloc(run->n_notes, BYTES);
+    assert_non_null(texts);
+    for (size_t k = 0; k < run->n_notes; k++)
+        snprintf(texts + k * BYTES, BYTES, "%.100s;%s;%.380s", run->note[k].stage, severities[run->note[k].severity],
+                 run->note[k].text);
+    hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate_simple(1, &size, NULL);
+    assert_true(H5Tset_size(type, BYTES) >= 0);
+    hid_t dataset = H5Dcreate2(file, "/notes", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts) >= 0);
+    assert_true(H5Dclose(dataset) >= 0 && H5Sclose(space) >= 0 && H5Tclose(type) >= 0);
+    free(texts);
+}
+
 static bool same(const char *flaw, const char *name)
 {
     return flaw && strcmp(flaw, name) == 0;
@@ -180,13 +212,17 @@ void fixture_write(const struct run *run, const char *config, const char *direct
         const char *name = observables[k].name;
         size_t n = run->n_samples - (same(flaw->shorten, name) ? 1 : 0);
         snprintf(path, sizeof path, "/observables/%s/value", name);
-        if (same(flaw->misshape, name)) {
+        if (same(flaw->huge, name)) {
+            huge_write(file, path, run->width[k]);
+        } else if (same(flaw->misshape, name)) {
             double seven[7] = {0};
             dataset_write(file, path, 1, 7, seven);
         } else if (!same(flaw->omit, name)) {
             dataset_write(file, path, n, run->width[k], run->value[k]);
         }
     }
+    if (run->n_notes > 0)
+        notes_write(file, run);
     assert_true(H5Fclose(file) >= 0);
 }
 

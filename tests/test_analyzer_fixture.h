@@ -34,6 +34,7 @@ struct flaw {
     const char *misshape;  /* name of an observable that is written as [n][7] */
     const char *shorten;   /* name of an observable that has one record less */
     const char *attribute; /* of /parameters, left out */
+    const char *huge;      /* name of an observable that claims 2^40 records and holds none */
 };
 
 /* Writes run.h5 as docs/file-format.md says (parameters and observables). `config` goes into effective_config. */
