@@ -105,7 +105,7 @@ static enum status run_and_report(const struct driver *driver, const struct stud
     if (status == STATUS_OK)
         status = execute(driver, &execution, outcome);
     if (status == STATUS_OK) {
-        struct report report = {study, plan, outcome, out, command};
+        struct report report = {study, plan, outcome, out, command, driver->pictures};
         status = report_write(&report);
     }
     if (status == STATUS_OK)

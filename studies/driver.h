@@ -16,7 +16,7 @@ struct driver {
     int jobs; /* 0: as many as there are cores, or as Slurm likes */
     bool slurm;
     const char *sbatch; /* more options of sbatch; "": none */
-    bool report_only, list_only;
+    bool report_only, pictures, list_only;
 };
 
 /* Runs the study in `file`. Also with failed runs the report is written; then STATUS_INCOMPLETE. */

@@ -21,6 +21,7 @@ static const char usage[] =
     "  --executor local|slurm    processes here, or a job array of Slurm\n"
     "  --sbatch OPTIONS of sbatch, e.g. '--partition=long --time=60'\n"
     "  --report         only the report, of what is there\n"
+    "  --pictures       also contact networks and particles of the first run of each cell, in the report and as files\n"
     "  --list           only say which runs there are, and whether they are done\n"
     "  --reference      print the keys of a study file\n";
 
@@ -75,18 +76,26 @@ static enum status option_take(struct options *options, int c)
 
 static enum status options_read(int argc, char **argv, struct options *options)
 {
-    int report = 0, list = 0, help = 0, reference = 0, c;
-    const struct option known[] = {{"out", required_argument, NULL, 'o'},    {"executor", required_argument, NULL, 'e'},
-                                   {"sbatch", required_argument, NULL, 'B'}, {"jobs", required_argument, NULL, 'j'},
-                                   {"set", required_argument, NULL, 's'},    {"bin", required_argument, NULL, 'b'},
-                                   {"task", required_argument, NULL, 't'},   {"report", no_argument, &report, 1},
-                                   {"list", no_argument, &list, 1},          {"reference", no_argument, &reference, 1},
-                                   {"help", no_argument, &help, 1},          {0}};
+    int report = 0, pictures = 0, list = 0, help = 0, reference = 0, c;
+    const struct option known[] = {{"out", required_argument, NULL, 'o'},
+                                   {"executor", required_argument, NULL, 'e'},
+                                   {"sbatch", required_argument, NULL, 'B'},
+                                   {"jobs", required_argument, NULL, 'j'},
+                                   {"set", required_argument, NULL, 's'},
+                                   {"bin", required_argument, NULL, 'b'},
+                                   {"task", required_argument, NULL, 't'},
+                                   {"report", no_argument, &report, 1},
+                                   {"pictures", no_argument, &pictures, 1},
+                                   {"list", no_argument, &list, 1},
+                                   {"reference", no_argument, &reference, 1},
+                                   {"help", no_argument, &help, 1},
+                                   {0}};
     *options = (struct options){.driver = {.sbatch = ""}};
     while ((c = getopt_long(argc, argv, "o:h", known, NULL)) != -1)
         if (c != 0)
             TRY(option_take(options, c));
     options->driver.report_only = report;
+    options->driver.pictures = pictures;
     options->driver.list_only = list;
     options->help = help;
     options->reference = reference;

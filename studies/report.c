@@ -109,6 +109,20 @@ static void comparison_print(const struct study *study, const struct comparison 
     putchar('\n');
 }
 
+static void scores_print(const struct results *results)
+{
+    const struct study *study = results->study;
+    const struct study_factor *factor = results_ranked(study);
+    char number[128];
+    puts("score: root mean square of (ours - paper)/tolerance");
+    for (int k = 0; k < results->n_scores; k++) {
+        printf("  %-28s %6.3f ", factor->level[k].name, results->score[k]);
+        for (int p = 0; p < study->n_paper; p++)
+            printf(" | %s", report_spread_text(&results->scored[k * study->n_paper + p], number, sizeof number));
+        putchar('\n');
+    }
+}
+
 static void results_print(const struct results *results)
 {
     const struct study *study = results->study;
@@ -131,6 +145,10 @@ static void results_print(const struct results *results)
             printf("  %-34s %s %s\n", text, report_spread_text(&tangent->spread[k], number, sizeof number),
                    tangent_unit((enum tangent_key)k));
         }
+    }
+    if (results->n_scores > 0) {
+        scores_print(results);
+        return;
     }
     if (study->n_paper > 0)
         puts("beside the paper, mean ± standard deviation (samples):");

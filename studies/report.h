@@ -18,6 +18,7 @@ struct report {
     const struct outcome *outcome;
     const char *out;     /* folder of the study */
     const char *command; /* that makes the study */
+    bool pictures;       /* also draw frames of the first run of each cell */
 };
 
 /* Evaluates what is done and writes report.html, results.json, runs.csv, cells.csv, comparison.csv and figures/. Prints
@@ -28,6 +29,12 @@ enum status report_write(const struct report *report) MUST_USE;
 enum status report_json_write(const struct report *report, const struct results *results) MUST_USE;
 enum status report_csv_write(const struct report *report, const struct results *results) MUST_USE;
 enum status report_html_write(const struct report *report, const struct results *results) MUST_USE;
+
+/* Draws the pictures and prints them as a part of the page. */
+enum status report_pictures_print(FILE *out, const struct report *report, const struct results *results) MUST_USE;
+
+/* A text with what HTML needs escaped. */
+void report_text_print(FILE *out, const char *text);
 
 /* "723 ± 9": the spread with two digits, the mean to the same place. "–" if there is none. */
 const char *report_spread_text(const struct spread *spread, char *text, size_t size);

@@ -107,6 +107,20 @@ static json_t *comparison_json(const struct study *study, const struct compariso
                      spread_json(&comparison->ours, ""));
 }
 
+/* The map of scores; empty without one. */
+static json_t *scores_json(const struct results *results)
+{
+    const struct study_factor *factor = results_ranked(results->study);
+    json_t *scores = json_object();
+    int failed = scores ? 0 : -1;
+    for (int k = 0; failed == 0 && k < results->n_scores; k++)
+        failed = json_object_set_new(scores, factor->level[k].name, number_json(results->score[k]));
+    if (failed == 0)
+        return scores;
+    json_decref(scores);
+    return NULL;
+}
+
 static json_t *report_json(const struct report *report, const struct results *results)
 {
     json_t *runs = json_array(), *cells = json_array(), *tangents = json_array(), *papers = json_array();
@@ -119,9 +133,10 @@ static json_t *report_json(const struct report *report, const struct results *re
         failed |= json_array_append_new(tangents, tangent_json(results, &results->tangent[t]));
     for (int k = 0; k < report->study->n_paper; k++)
         failed |= json_array_append_new(papers, comparison_json(report->study, &results->comparison[k]));
-    json_t *root = json_pack("{s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o}", "study", report->study->name, "title",
-                             report->study->title, "version", SHAKEDOWN_VERSION, "command", report->command, "cells",
-                             cells, "tangents", tangents, "comparison", papers, "runs", runs);
+    json_t *root =
+        json_pack("{s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "study", report->study->name, "title",
+                  report->study->title, "version", SHAKEDOWN_VERSION, "command", report->command, "cells", cells,
+                  "tangents", tangents, "comparison", papers, "scores", scores_json(results), "runs", runs);
     if (failed == 0)
         return root;
     json_decref(root);

@@ -18,7 +18,7 @@ static const char style[] =
     "figcaption{color:#444}code,pre{font:.85rem/1.4 ui-monospace,monospace;background:#f4f4f4}pre{padding:.6rem;"
     "overflow-x:auto}.bad{color:#a00;font-weight:600}details{margin:1rem 0}";
 
-static void escaped(FILE *out, const char *text)
+void report_text_print(FILE *out, const char *text)
 {
     for (; text && *text; text++)
         switch (*text) {
@@ -42,7 +42,7 @@ static void escaped(FILE *out, const char *text)
 static void cell_print(FILE *out, const char *tag, const char *text)
 {
     fprintf(out, "<%s>", tag);
-    escaped(out, text);
+    report_text_print(out, text);
     fprintf(out, "</%.2s>", tag);
 }
 
@@ -68,13 +68,13 @@ static void head_print(FILE *out, const struct report *report)
     fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
           "<meta name=\"viewport\" content=\"width=device-width\"><link rel=\"icon\" href=\"data:,\"><title>",
           out);
-    escaped(out, title);
+    report_text_print(out, title);
     fprintf(out, "</title><style>%s</style></head><body>\n<h1>", style);
-    escaped(out, title);
+    report_text_print(out, title);
     fputs("</h1>\n", out);
     for (int k = 0; k < report->study->method.n; k++) {
         fputs("<p>", out);
-        escaped(out, report->study->method.text[k]);
+        report_text_print(out, report->study->method.text[k]);
         fputs("</p>\n", out);
     }
 }
@@ -86,7 +86,7 @@ static void summary_print(FILE *out, const struct report *report)
         done += report->outcome[k].done;
     fprintf(out, "<p>%d of %d runs are in this report%s.</p>\n<p>The command that makes it:</p>\n<pre>", done,
             report->plan->n_runs, done < report->plan->n_runs ? ", <span class=\"bad\">the others failed</span>" : "");
-    escaped(out, report->command);
+    report_text_print(out, report->command);
     fputs("</pre>\n", out);
 }
 
@@ -101,9 +101,9 @@ static void comparison_row(FILE *out, const struct study *study, const struct co
     fputs("<td>", out);
     for (int k = 0; k < paper->where.n; k++) {
         fputs(k ? ", " : "", out);
-        escaped(out, paper->where.factor[k]);
+        report_text_print(out, paper->where.factor[k]);
         fputs(" = ", out);
-        escaped(out, paper->where.level[k]);
+        report_text_print(out, paper->where.level[k]);
     }
     fputs("</td>", out);
     cell_print(out, "td", paper->source);
@@ -135,28 +135,51 @@ static void comparison_print(FILE *out, const struct results *results)
     fputs("</table></div>\n", out);
 }
 
+static void paper_head(FILE *out, const struct study_paper *paper)
+{
+    fputs("<th>", out);
+    report_text_print(out, paper->quantity);
+    for (int k = 0; k < paper->where.n; k++) {
+        fputs(k ? ", " : "<br>", out);
+        report_text_print(out, paper->where.factor[k]);
+        fputs(" = ", out);
+        report_text_print(out, paper->where.level[k]);
+    }
+    fputs("</th>", out);
+}
+
+/* The map: for each level of the ranked factor ours beside every published number, and the score. */
 static void scores_print(FILE *out, const struct results *results)
 {
     const struct study *study = results->study;
-    const struct study_factor *factor = NULL;
-    for (int s = 0; s < study->n_series && !factor; s++) {
-        int f = study_factor_find(&study->series[s], study->score);
-        factor = f >= 0 ? &study->series[s].factor[f] : NULL;
-    }
-    if (results->n_scores == 0 || !factor)
+    const struct study_factor *factor = results_ranked(study);
+    if (!factor)
         return;
-    fputs("<h2 id=\"score\">Score</h2>\n<p>Root mean square of (ours − paper)/tolerance over all published numbers of "
-          "the study; the smaller the nearer.</p>\n<table><tr>",
-          out);
+    fputs(
+        "<h2 id=\"score\">Score</h2>\n<p>Root mean square of (ours − paper)/tolerance over all published numbers here; "
+        "the smaller the nearer. Ours: mean ± standard deviation over samples.</p>\n<div class=\"wide\"><table><tr>",
+        out);
     cell_print(out, "th", factor->label);
-    fputs("<th>score</th></tr>\n", out);
+    fputs("<th>score</th>", out);
+    for (int p = 0; p < study->n_paper; p++)
+        paper_head(out, &study->paper[p]);
+    fputs("</tr>\n<tr><td>paper</td><td></td>", out);
+    for (int p = 0; p < study->n_paper; p++)
+        number_print(out, "%g", study->paper[p].value);
+    fputs("</tr>\n<tr><td>tolerance</td><td></td>", out);
+    for (int p = 0; p < study->n_paper; p++)
+        number_print(out, "%g",
+                     study->paper[p].tolerance > 0 ? study->paper[p].tolerance : 0.1 * fabs(study->paper[p].value));
+    fputs("</tr>\n", out);
     for (int k = 0; k < results->n_scores; k++) {
         fputs("<tr>", out);
         cell_print(out, "td", factor->level[k].name);
         number_print(out, "%.3g", results->score[k]);
+        for (int p = 0; p < study->n_paper; p++)
+            spread_print(out, &results->scored[k * study->n_paper + p]);
         fputs("</tr>\n", out);
     }
-    fputs("</table>\n", out);
+    fputs("</table></div>\n", out);
 }
 
 /* --- Figures ----------------------------------------------------------------------------------------------------- */
@@ -186,7 +209,7 @@ static enum status figure_print(FILE *out, const struct report *report, const st
         return status_fail(STATUS_USAGE, "%.60s...: the path is too long", report->out);
     if (!files_exist(path)) {
         fputs("<p>No data for: ", out);
-        escaped(out, figure->title);
+        report_text_print(out, figure->title);
         fputs("</p>\n", out);
         return STATUS_OK;
     }
@@ -197,11 +220,11 @@ static enum status figure_print(FILE *out, const struct report *report, const st
         return status_fail(STATUS_FORMAT, "%s: no drawing", path);
     }
     fprintf(out, "<figure id=\"figure-%s\"><svg role=\"img\" aria-label=\"", figure->name);
-    escaped(out, figure->title[0] ? figure->title : figure->name);
+    report_text_print(out, figure->title[0] ? figure->title : figure->name);
     fputc('"', out);
     svg_print(out, svg + strlen("<svg"), figure->name);
     fputs("<figcaption>", out);
-    escaped(out, figure->title);
+    report_text_print(out, figure->title);
     fprintf(out, " (figures/%s: .svg, .pdf, .png, .csv)</figcaption></figure>\n", figure->name);
     free(text);
     return STATUS_OK;
@@ -225,9 +248,9 @@ static void cells_print(FILE *out, const struct results *results)
           out);
     for (int k = 0; k < results->key.n; k++) {
         fputs("<th>", out);
-        escaped(out, results->key.text[k]);
+        report_text_print(out, results->key.text[k]);
         fputs(results->unit.text[k][0] ? ", " : "", out);
-        escaped(out, results->unit.text[k]);
+        report_text_print(out, results->unit.text[k]);
         fputs("</th>", out);
     }
     fputs("</tr>\n", out);
@@ -287,7 +310,7 @@ static void runs_print(FILE *out, const struct report *report, const struct resu
         cell_print(out, "td", report_verdict(results->analysis[r]));
         cell_print(out, "td", report->outcome[r].done ? notes : report->outcome[r].reason);
         fputs("<td><code>", out);
-        escaped(out, run->hash);
+        report_text_print(out, run->hash);
         fputs("</code></td></tr>\n", out);
     }
     fputs("</table></div>\n", out);
@@ -298,27 +321,27 @@ static void runs_print(FILE *out, const struct report *report, const struct resu
 static void factor_print(FILE *out, const struct study_factor *factor)
 {
     fputs("<li>", out);
-    escaped(out, factor->label);
+    report_text_print(out, factor->label);
     fputs(": ", out);
     for (int k = 0; k < factor->n_levels; k++) {
         fputs(k ? ", " : "", out);
-        escaped(out, factor->level[k].name);
+        report_text_print(out, factor->level[k].name);
     }
     fputc(' ', out);
-    escaped(out, factor->unit);
+    report_text_print(out, factor->unit);
     fputs("</li>", out);
 }
 
 static void series_print(FILE *out, const struct study_series *series)
 {
     fputs("<li>", out);
-    escaped(out, series->name);
+    report_text_print(out, series->name);
     fputs(": scene <code>", out);
-    escaped(out, series->scene);
+    report_text_print(out, series->scene);
     fputs("</code>", out);
     if (series->prepare[0]) {
         fputs(", prepared up to the end of stage ", out);
-        escaped(out, series->prepare);
+        report_text_print(out, series->prepare);
     }
     fputs(", seeds", out);
     for (int k = 0; k < series->n_seeds; k++)
@@ -352,7 +375,7 @@ static void settings_print(FILE *out, const struct report *report, const struct 
             SHAKEDOWN_VERSION, first_string(results, "kernel_set"), H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE,
             LIBCONFIG_VER_MAJOR, LIBCONFIG_VER_MINOR, LIBCONFIG_VER_REVISION, JANSSON_VERSION);
     fputs("<details><summary>The study file</summary><pre>", out);
-    escaped(out, report->study->text);
+    report_text_print(out, report->study->text);
     fputs("</pre></details>\n", out);
 }
 
@@ -363,6 +386,8 @@ static enum status page_print(FILE *out, const struct report *report, const stru
     comparison_print(out, results);
     scores_print(out, results);
     TRY(figures_print(out, report));
+    if (report->pictures)
+        TRY(report_pictures_print(out, report, results));
     tangents_print(out, results);
     cells_print(out, results);
     settings_print(out, report, results);

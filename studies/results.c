@@ -115,6 +115,15 @@ static enum status analyses_read(struct results *results, const struct outcome *
     return STATUS_OK;
 }
 
+/* Key of an evaluation of single runs; false if it is of another kind. */
+static bool run_key(const struct study_evaluation *evaluation, char *key, size_t size)
+{
+    if (evaluation->kind == EVALUATION_TANGENT)
+        return false;
+    snprintf(key, size, "%s.%s", evaluation->name, evaluation->kind == EVALUATION_DECAY ? "tau_s" : "slope");
+    return true;
+}
+
 static enum status keys_make(struct results *results)
 {
     const struct study *study = results->study;
@@ -125,10 +134,8 @@ static enum status keys_make(struct results *results)
         if (results->analysis[k])
             TRY(keys_collect(results->analysis[k], "", &results->key));
     for (int k = 0; k < study->n_evaluations; k++)
-        if (study->evaluation[k].kind == EVALUATION_DECAY) {
-            snprintf(key, sizeof key, "%s.tau_s", study->evaluation[k].name);
+        if (run_key(&study->evaluation[k], key, sizeof key))
             TRY(text_list_add(&results->key, key));
-        }
     return STATUS_OK;
 }
 
@@ -145,30 +152,40 @@ static enum status units_make(struct results *results)
     return STATUS_OK;
 }
 
-static enum status decay_evaluate(const struct study_evaluation *evaluation, const char *folder, struct number *number)
+/* The rows of an increasing column that lie in a window; `to` 0: to the end. */
+static void window_find(const double *x, int rows, double from, double to, int *first, int *end)
 {
+    *first = 0;
+    *end = rows;
+    while (*first < *end && x[*first] < from)
+        (*first)++;
+    while (to > 0 && *end > *first && x[*end - 1] > to)
+        (*end)--;
+}
+
+static enum status run_evaluate(const struct study_evaluation *evaluation, const char *folder, struct number *number)
+{
+    bool decay = evaluation->kind == EVALUATION_DECAY;
     struct table table;
-    const double *time, *value;
+    const double *x, *y;
     char path[4400];
-    *number = (struct number){NAN, NAN};
+    int first, end;
     TRY(files_join(path, sizeof path, folder, "curves.csv"));
     TRY(table_read(&table, path));
-    enum status status = table_column(&table, "stage_time_s", &time);
+    enum status status = table_column(&table, decay ? "stage_time_s" : evaluation->x, &x);
     if (status == STATUS_OK)
-        status = table_column(&table, evaluation->column, &value);
+        status = table_column(&table, evaluation->column, &y);
     if (status == STATUS_OK) {
-        int first = 0, end = table.rows;
-        while (first < end && time[first] < evaluation->from_s)
-            first++;
-        while (evaluation->to_s > 0 && end > first && time[end - 1] > evaluation->to_s)
-            end--;
-        *number = decay_fit(time + first, value + first, end - first, evaluation->target);
+        window_find(x, table.rows, decay ? evaluation->from_s : evaluation->from,
+                    decay ? evaluation->to_s : evaluation->to, &first, &end);
+        *number = decay ? decay_fit(x + first, y + first, end - first, evaluation->target)
+                        : slope_fit(x + first, y + first, end - first);
     }
     table_free(&table);
     return status;
 }
 
-static enum status decays_evaluate(struct results *results, const char *out, int run)
+static enum status run_evaluations(struct results *results, const char *out, int run)
 {
     const struct study *study = results->study;
     char folder[4200], key[2 * CONFIG_STRING_MAX];
@@ -176,11 +193,9 @@ static enum status decays_evaluate(struct results *results, const char *out, int
     for (int k = 0; k < study->n_evaluations; k++) {
         const struct study_evaluation *evaluation = &study->evaluation[k];
         const char *series = study->series[results->plan->run[run].series].name;
-        if (evaluation->kind != EVALUATION_DECAY || (evaluation->series[0] && strcmp(evaluation->series, series) != 0))
+        if (!run_key(evaluation, key, sizeof key) || (evaluation->series[0] && strcmp(evaluation->series, series) != 0))
             continue;
-        snprintf(key, sizeof key, "%s.tau_s", evaluation->name);
-        TRY(decay_evaluate(evaluation, folder,
-                           &results->number[run * results->key.n + results_key_find(results, key)]));
+        TRY(run_evaluate(evaluation, folder, &results->number[run * results->key.n + results_key_find(results, key)]));
     }
     return STATUS_OK;
 }
@@ -195,7 +210,7 @@ static enum status numbers_make(struct results *results, const char *out)
         for (int k = 0; k < keys; k++)
             results->number[r * keys + k] = quantity_of(results->analysis[r], results->key.text[k]);
         if (results->analysis[r])
-            TRY(decays_evaluate(results, out, r));
+            TRY(run_evaluations(results, out, r));
     }
     return STATUS_OK;
 }
@@ -417,9 +432,10 @@ static enum status tangents_make(struct results *results)
 
 /* --- Decay ------------------------------------------------------------------------------------------------------- */
 
-/* Straight line through points: slope and its standard error. */
-static struct number slope_fit(const double *x, const double *y, int n)
+struct number slope_fit(const double *x, const double *y, int n)
 {
+    if (n < 3)
+        return (struct number){NAN, NAN};
     double mx = 0, my = 0, xx = 0, xy = 0, rest = 0;
     for (int k = 0; k < n; k++) {
         mx += x[k] / n;
@@ -546,7 +562,7 @@ static bool ours_find(const struct results *results, const struct study_paper *p
     return false;
 }
 
-static const struct study_factor *ranked_factor(const struct study *study)
+const struct study_factor *results_ranked(const struct study *study)
 {
     for (int s = 0; study->score[0] && s < study->n_series; s++) {
         int f = study_factor_find(&study->series[s], study->score);
@@ -564,10 +580,11 @@ static double score_of(const struct results *results, int level)
     for (int k = 0; k < study->n_paper; k++) {
         const struct study_paper *paper = &study->paper[k];
         double tolerance = paper->tolerance > 0 ? paper->tolerance : 0.1 * fabs(paper->value);
-        struct spread ours;
-        if (!ours_find(results, paper, level, &ours) || ours.n == 0)
+        struct spread *ours = &results->scored[level * study->n_paper + k];
+        *ours = (struct spread){NAN, NAN, 0};
+        if (!ours_find(results, paper, level, ours) || ours->n == 0)
             continue;
-        sum += (ours.mean - paper->value) * (ours.mean - paper->value) / (tolerance * tolerance);
+        sum += (ours->mean - paper->value) * (ours->mean - paper->value) / (tolerance * tolerance);
         n++;
     }
     return n > 0 ? sqrt(sum / n) : NAN;
@@ -576,11 +593,12 @@ static double score_of(const struct results *results, int level)
 static enum status comparisons_make(struct results *results)
 {
     const struct study *study = results->study;
-    const struct study_factor *ranked = ranked_factor(study);
+    const struct study_factor *ranked = results_ranked(study);
     results->comparison = calloc((size_t)study->n_paper + 1, sizeof *results->comparison);
     results->n_scores = ranked ? ranked->n_levels : 0;
     results->score = calloc((size_t)results->n_scores + 1, sizeof *results->score);
-    if (!results->comparison || !results->score)
+    results->scored = calloc((size_t)results->n_scores * (size_t)study->n_paper + 1, sizeof *results->scored);
+    if (!results->comparison || !results->score || !results->scored)
         return no_memory();
     for (int k = 0; k < study->n_paper; k++) {
         struct comparison *comparison = &results->comparison[k];
@@ -636,5 +654,6 @@ void results_free(struct results *results)
     free(results->tangent);
     free(results->comparison);
     free(results->score);
+    free(results->scored);
     *results = (struct results){0};
 }

@@ -60,6 +60,7 @@ struct results {
     int n_tangents;
     struct comparison *comparison; /* [n_paper] */
     double *score; /* [levels of study->score] root mean square of (ours - paper)/tolerance; NaN: nothing to compare */
+    struct spread *scored; /* [n_scores][n_paper] ours, of each level */
     int n_scores;
 };
 
@@ -78,6 +79,9 @@ void tangent_key_text(const struct study *study, const struct tangent *tangent, 
                       size_t size);
 const char *tangent_unit(enum tangent_key key);
 
+/* The factor that study->score names; NULL if there is none. */
+const struct study_factor *results_ranked(const struct study *study);
+
 /* Index of a key, -1 if there is none. */
 int results_key_find(const struct results *results, const char *key);
 
@@ -90,6 +94,9 @@ double spread_error(const struct spread *spread);
 /* The line sigma_1 = a + b sigma_3 through n circles gives tan phi, phi [deg] and c [unit of the stresses]:
  * sin phi = (b - 1)/(b + 1), c = a (1 - sin phi)/(2 cos phi). Least squares for n > 2. NaN where there is none. */
 void tangent_fit(const double *sigma_3, const double *sigma_1, int n, double number[TANGENT_KEYS]);
+
+/* Slope of a straight line by least squares, with its standard error; NaN with fewer than 3 points. */
+struct number slope_fit(const double *x, const double *y, int n);
 
 /* Time in which a value comes to `target` (NaN: its last value): a straight line by least squares through the
  * logarithms of its largest distances between crossings; with fewer than 4 such swings, of all distances from the

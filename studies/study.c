@@ -58,15 +58,20 @@ static const struct key paper_keys[] = {
     TEXT("source", study_paper, source, "", "where it is printed"),
     {0}};
 
-static const char *const evaluation_names[] = {"decay", "tangent", NULL};
+static const char *const evaluation_names[] = {"decay", "slope", "tangent", NULL};
 
 static const struct key evaluation_keys[] = {
     {"kind", KEY_CHOICE, OF(study_evaluation, kind), NULL, 0, 0, NULL, evaluation_names, NULL,
-     "decay: time in which the swings of a column die away (NAME.tau_s); tangent: common tangent of Mohr circles "
+     "decay: time in which the swings of a column die away (NAME.tau_s); slope: of a straight line through column over "
+     "x "
+     "(NAME.slope); tangent: common tangent of Mohr circles "
      "(NAME.tan_phi, NAME.friction_angle_deg, NAME.cohesion_pa)"},
     TEXT("name", study_evaluation, name, NULL, "name of the evaluation"),
     TEXT("series", study_evaluation, series, "", "which series; default: all"),
-    TEXT("column", study_evaluation, column, "sigma_xx_pa", "decay: column of curves.csv"),
+    TEXT("column", study_evaluation, column, "sigma_xx_pa", "decay, slope: column of curves.csv"),
+    TEXT("x", study_evaluation, x, "eps_zz_log", "slope: the other column"),
+    NUMBER("from", study_evaluation, from, NULL, -INFINITY, "0", "slope: window in x, from"),
+    NUMBER("to", study_evaluation, to, NULL, -INFINITY, "0", "slope: to; 0: the end"),
     NUMBER("target", study_evaluation, target, NULL, -INFINITY, "nan",
            "decay: the value that it comes to; default: its last"),
     NUMBER("from_s", study_evaluation, from_s, "s", 0, "0", "decay: window, in the time of the stage, from"),

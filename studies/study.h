@@ -67,6 +67,7 @@ struct study_paper {
 
 enum study_evaluation_kind {
     EVALUATION_DECAY,   /* time in which the swings of a column die away, of one run */
+    EVALUATION_SLOPE,   /* straight line through a part of a curve, of one run */
     EVALUATION_TANGENT, /* common tangent of Mohr circles, over the levels of a factor */
 };
 
@@ -75,9 +76,11 @@ struct study_evaluation {
     int kind; /* enum study_evaluation_kind */
     char name[CONFIG_STRING_MAX];
     char series[CONFIG_STRING_MAX];
-    char column[CONFIG_STRING_MAX]; /* decay: of curves.csv */
+    char column[CONFIG_STRING_MAX]; /* decay, slope: of curves.csv */
     double target;                  /* decay: what it comes to rest at; NaN: its last value */
     double from_s, to_s;            /* decay: window in the time of the stage; to_s 0: to its end */
+    char x[CONFIG_STRING_MAX];      /* slope: the other column of curves.csv */
+    double from, to;                /* slope: window in x; to 0: to its end */
     char along[CONFIG_STRING_MAX];  /* tangent: factor whose levels are the confining stresses */
     char major[CONFIG_STRING_MAX];  /* tangent: quantity that is the major stress */
 };

@@ -4,7 +4,7 @@ target_link_libraries(test_studies PRIVATE shakedown_studies PkgConfig::CMOCKA)
 add_test(NAME studies COMMAND test_studies ${PROJECT_SOURCE_DIR})
 set_tests_properties(studies PROPERTIES LABELS unit TIMEOUT 60)
 
-foreach(case shipped report browser)
+foreach(case shipped report score pictures browser)
   add_test(NAME studies_${case} COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_studies.sh ${case})
   set_tests_properties(studies_${case} PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 77 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
 endforeach()

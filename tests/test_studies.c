@@ -221,6 +221,17 @@ static void decays_are_found(void **state)
     assert_true(isnan(decay_fit(time, value, N, 0).value)); /* it goes away */
 }
 
+static void slopes_have_closed_forms(void **state)
+{
+    const double x[] = {0, 1, 2, 3}, y[] = {1, 2, 4, 5};
+    struct number slope = slope_fit(x, y, 4);
+    (void)state;
+    /* (n sum xy - sum x sum y)/(n sum xx - (sum x)^2) = (4 25 - 6 12)/(4 14 - 36); rest 0.2 over 2 degrees, over 5 */
+    assert_true(fabs(slope.value - 1.4) < 1e-14);
+    assert_true(fabs(slope.uncertainty - sqrt(0.2 / 2 / 5)) < 1e-14);
+    assert_true(isnan(slope_fit(x, y, 2).value));
+}
+
 static void tables_are_read(void **state)
 {
     struct table table;
@@ -256,15 +267,11 @@ static void spreads_are_printed(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_files_are_refused),
-        cmocka_unit_test(runs_share_preparations),
-        cmocka_unit_test(settings_have_their_hash),
-        cmocka_unit_test(broken_scenes_name_their_run),
-        cmocka_unit_test(stale_results_go),
-        cmocka_unit_test(spreads_have_closed_forms),
-        cmocka_unit_test(tangents_have_closed_forms),
-        cmocka_unit_test(decays_are_found),
-        cmocka_unit_test(tables_are_read),
+        cmocka_unit_test(wrong_files_are_refused),    cmocka_unit_test(runs_share_preparations),
+        cmocka_unit_test(settings_have_their_hash),   cmocka_unit_test(broken_scenes_name_their_run),
+        cmocka_unit_test(stale_results_go),           cmocka_unit_test(spreads_have_closed_forms),
+        cmocka_unit_test(tangents_have_closed_forms), cmocka_unit_test(decays_are_found),
+        cmocka_unit_test(slopes_have_closed_forms),   cmocka_unit_test(tables_are_read),
         cmocka_unit_test(spreads_are_printed),
     };
     if (argc != 2 || !mkdtemp(folder))

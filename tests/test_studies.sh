@@ -71,6 +71,31 @@ case_report() {
     "$root/shakedown" analyze --no-plots s/runs/kc_0-seed1 >alone.out 2>&1 || fail "analyze"
 }
 
+# Contact networks and particles of each cell, and in 3D spheres where there is POV-Ray.
+case_pictures() {
+    local file count=0
+    write_small
+    study first.out --out s --pictures || fail "exit code $?"
+    for file in s/pictures/kc_{0,100000}-seed1-{start,end}-{network,particles}.{png,svg}; do
+        [ "$(stat -c %s "$file")" -gt 3000 ] || fail "$file"
+    done
+    [ "$(grep -o '<img alt="contact network[^"]*"' s/report.html | wc -l)" -eq 6 ] || fail "six networks in the page"
+    # as many lines as there are contacts: each is a path of its own
+    for file in s/pictures/kc_0-seed1-{start,end}-network.svg; do
+        count=$(grep -c 'stroke-linecap:round' "$file")
+        [ "$count" -gt 150 ] && [ "$count" -lt 400 ] || fail "$count contacts of 100 particles"
+    done
+    sed -i 's|scenes/quick.cfg|scenes/triaxial_quick.cfg|; /^set/,/];/d; /prepare/d; /vary/d; /paper/d; /figures/,$d; s/seeds = 2/seeds = 1/' small.cfg
+    echo 'set = [ "sample.count=64", "stages.0.duration_s=0.02", "stages.0.until_stress_error=0.0", "stages.1.duration_s=0.02", "stages.2.duration_s=0.02" ];' >>small.cfg
+    study third.out --out s3 --pictures || fail "exit code $?"
+    if command -v povray >/dev/null; then
+        [ "$(stat -c %s s3/pictures/seed1-end-spheres.png)" -gt 3000 ] || fail "no spheres"
+    else
+        echo "POV-Ray is not installed: spheres are not tested"
+        grep -q 'POV-Ray, which is not installed' s3/report.html || fail "no word of it"
+    fi
+}
+
 # In a real browser, without a network: no word in its console, every figure there and of a size, with its text.
 case_browser() {
     local browser=()
@@ -117,6 +142,19 @@ case_killed() {
     study last.out --out s || fail "exit code $?"
     cmp whole/report.html s/report.html || fail "another report"
     cmp whole/results.json s/results.json || fail "other results"
+}
+
+# Levels ranked by their distance from published numbers: (mean - paper)/tolerance of the one that there is.
+case_score() {
+    local mean
+    write_small
+    echo 'score = "kc";' >>small.cfg
+    sed -i 's/where = { kc = 0.0; }; value = 0.8;/value = 0.8; tolerance = 0.1;/' small.cfg
+    study first.out --out s || fail "exit code $?"
+    mean=$(grep '"k_c = 0 N/m",initial.phi' s/cells.csv | cut -d, -f5)
+    awk -v mean="$mean" -v score="$(sed -n '/"scores"/,/}/s/.*"0": \([0-9.]*\).*/\1/p' s/results.json)" \
+        'BEGIN { off = (mean - 0.8)/0.1 - score; exit !(mean > 0.5 && off < 1e-6 && off > -1e-6) }' || fail "the score"
+    grep -q 'id="score"' s/report.html || fail "no map"
 }
 
 # Other settings never show old numbers.
