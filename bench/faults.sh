@@ -14,6 +14,10 @@ readonly hang_after_s=60 settle_after_s=15
 if [ -z "${FAULTS_MOUNTS:-}" ]; then
     user=()
     [ "$(id -u)" -eq 0 ] || user=(--map-root-user)
+    if ! unshare "${user[@]}" --mount -- true; then
+        echo "faults: this system allows no mounts of one's own (unshare --mount, as root or with -r)" >&2
+        exit 125
+    fi
     FAULTS_MOUNTS=1 exec unshare "${user[@]}" --mount -- "$BASH" "${BASH_SOURCE[0]}" "$@"
 fi
 

@@ -11,7 +11,15 @@ foreach(case usage run broken_scene ports interrupt hang failure restart signals
 endforeach()
 
 # The real processes on scenes/quick.cfg.
-foreach(case run in_process broken_scene two_runs interrupt kill_sim private)
+foreach(case run in_process broken_scene two_runs interrupt kill_sim private odd_names copied_scene)
   add_test(NAME driver_${case} COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_driver.sh ${case})
   set_tests_properties(driver_${case} PROPERTIES LABELS pipeline TIMEOUT 120 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
 endforeach()
+
+# A few of the faults of `./shakedown bench faults`, at random moments.
+add_test(NAME faults_kills COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --n 1
+         --kinds "kill_sim kill_wallctl kill_recorder kill_launcher kill_all")
+add_test(NAME faults_signals COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --n 3 --kinds "term_all signal_any")
+add_test(NAME faults_disk COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --n 1 --kinds "full_disk read_only folder_removed")
+set_tests_properties(faults_kills faults_signals faults_disk PROPERTIES LABELS fault TIMEOUT 300 SKIP_RETURN_CODE 125
+                     ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")

@@ -416,6 +416,46 @@ case_private() {
     expect_attribute out/run.h5 complete 1
 }
 
+# A name of a folder with all that is odd in names; and a link to a folder.
+case_odd_names() {
+    local name=$'-a b\'q"o$t`e\nfüß?h&=x#%2;'
+    mkdir real
+    ln -s real "$name"
+    shakedown run "$quick" --out "$name"
+    expect_code 0 $?
+    expect_attribute real/run.h5 complete 1
+    shakedown run "$quick" --out "$name-one" --in-process
+    expect_code 0 $?
+    expect_attribute "./$name-one/run.h5" complete 1
+    [ -f "./$name-one/stress_strain.svg" ] || fail "no plot"
+    shakedown run --resume "$name-one"
+    expect_code 5 $?
+    expect_text last.out 'is complete already'
+}
+
+# The copy of a scene can be run again where it lies, with its sample from a checkpoint beside the original.
+case_copied_scene() {
+    mkdir scenes
+    cp "$root/tests/scenes/small.cfg" scenes/first.cfg
+    shakedown run scenes/first.cfg --in-process --out scenes/first
+    expect_code 0 $?
+    sed 's|^sample = {|sample = { initial = "checkpoint"; checkpoint = "first/checkpoint-confine.h5";|' scenes/first.cfg \
+        >scenes/second.cfg
+    shakedown run scenes/second.cfg --in-process --out out
+    expect_code 0 $?
+    expect_text out/scene.cfg "checkpoint = \"$work/scenes/first/checkpoint-confine.h5\";"
+    shakedown run out/scene.cfg --in-process --out again
+    expect_code 0 $?
+    [ "$(h5dump -a /state_hash out/run.h5 | tail -n +2)" = "$(h5dump -a /state_hash again/run.h5 | tail -n +2)" ] ||
+        fail "another run"
+    shakedown run scenes/first.cfg --in-process --out third --set sample.initial=checkpoint \
+        --set sample.checkpoint=first/checkpoint-confine.h5
+    expect_code 0 $?
+    expect_text third/overrides "^sample.checkpoint=\"$work/scenes/first/checkpoint-confine.h5\""
+    shakedown replay third
+    expect_code 0 $?
+}
+
 main() {
     declare -F "case_$1" >/dev/null || fail "no case $1"
     "case_$1"
