@@ -243,6 +243,7 @@ static enum status run_one(const struct work *work, struct run *run)
     const char *argv[ARGUMENTS_MAX];
     int n = 0;
     snprintf(path, sizeof path, "%s/run.lcm", work->folder);
+    (void)remove(path); /* of the run before */
     snprintf(url, sizeof url, "file://%s?mode=w", path);
     snprintf(words, sizeof words, "%s/run.log", work->folder);
     if (work->options->through)

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -59,24 +58,16 @@ static enum status url_complete(const char *url, char full[URL_MAX])
     return length < URL_MAX ? STATUS_OK : status_fail(STATUS_USAGE, "the LCM URL is longer than %d bytes", URL_MAX - 1);
 }
 
-static enum status log_create(struct bus *bus, const char *url, const char *mode)
+static enum status log_create(struct bus *bus, const char *url, bool append)
 {
     char path[URL_MAX];
-    struct timespec now;
     snprintf(path, sizeof path, "%s", url + strlen(LOG_SCHEME));
     char *options = strchr(path, '?');
     if (options)
         *options = '\0';
-    bus->log = lcm_eventlog_create(path, mode);
-    if (!bus->log)
-        return status_fail(STATUS_IO, "cannot write the event log \"%s\": %s", path, strerror(errno));
-    clock_gettime(CLOCK_REALTIME, &now); /* cannot fail with this clock */
-    bus->lcm = lcm_create("memq://");    /* takes subscriptions; nothing ever comes */
-    if (!bus->lcm)
-        return status_fail(STATUS_BUS, "cannot set up LCM without a network");
-    bus->clock_start_us = (int64_t)now.tv_sec * 1000000 + now.tv_nsec / 1000;
-    bus->opened_at_s = clock_now_s();
-    return STATUS_OK;
+    TRY(event_writer_open(&bus->log, path, append ? EVENT_START_APPEND : EVENT_START_NEW));
+    bus->lcm = lcm_create("memq://"); /* takes subscriptions; nothing ever comes */
+    return bus->lcm ? STATUS_OK : status_fail(STATUS_BUS, "cannot set up LCM without a network");
 }
 
 /* LCM's threads inherit this thread's signal mask. With everything blocked in them, signals reach the loop that looks
@@ -120,7 +111,7 @@ static enum status open_url(struct bus *bus, const char *url, bool direct)
     bus->is_log = starts_with(full, LOG_SCHEME);
     const char *mode = bus->is_log ? log_write_mode(full) : NULL;
     if (mode) {
-        enum status status = log_create(bus, full, mode);
+        enum status status = log_create(bus, full, mode[0] == 'a');
         if (status != STATUS_OK)
             bus_close(bus);
         return status;
@@ -149,42 +140,31 @@ void bus_close(struct bus *bus)
     direct_close(bus->direct);
     if (bus->lcm)
         lcm_destroy(bus->lcm);
-    if (bus->log)
-        lcm_eventlog_destroy(bus->log);
+    if (event_writer_close(bus->log) != STATUS_OK)
+        fprintf(stderr, "shakedown: warning: %s\n", status_message()); /* bus_flush says it in time */
     memset(bus, 0, sizeof *bus);
 }
 
 enum status bus_flush(struct bus *bus)
 {
-    if (bus->log && (fflush(bus->log->f) != 0 || ferror(bus->log->f)))
-        return status_fail(STATUS_IO, "cannot write the event log: %s", strerror(errno));
-    return STATUS_OK;
+    return bus->log ? event_writer_flush(bus->log) : STATUS_OK;
 }
 
 enum status bus_log_sync(struct bus *bus, int64_t *size)
 {
-    struct stat file;
     *size = 0;
     if (!bus->log)
         return STATUS_OK;
-    TRY(bus_flush(bus));
-    /* EINVAL: a file that cannot be synchronised, such as a pipe */
-    if ((fsync(fileno(bus->log->f)) != 0 && errno != EINVAL) || fstat(fileno(bus->log->f), &file) != 0)
-        return status_fail(STATUS_IO, "cannot bring the event log to disk: %s", strerror(errno));
-    *size = (int64_t)file.st_size;
+    TRY(event_writer_sync(bus->log));
+    *size = event_writer_size(bus->log);
     return STATUS_OK;
 }
 
 enum status bus_log_cut(struct bus *bus, int64_t size)
 {
-    int64_t present;
-    TRY(bus_log_sync(bus, &present));
-    if (!bus->log || present < size)
-        return status_fail(STATUS_FORMAT, "the event log holds %lld bytes of the %lld that are to be gone on from",
-                           (long long)present, (long long)size);
-    if (ftruncate(fileno(bus->log->f), (off_t)size) != 0 || fseeko(bus->log->f, 0, SEEK_END) != 0)
-        return status_fail(STATUS_IO, "cannot cut the event log: %s", strerror(errno));
-    return STATUS_OK;
+    if (!bus->log)
+        return status_fail(STATUS_FORMAT, "there is no event log to be gone on from");
+    return event_writer_cut(bus->log, size);
 }
 
 /* LCM takes channels as regular expressions; a backslash makes every other sign stand for itself. */
@@ -236,17 +216,11 @@ void bus_unsubscribe(struct bus *bus, void *subscription)
         fprintf(stderr, "shakedown: warning: LCM does not know a subscription that is to end\n");
 }
 
+/* Whoever writes a log itself is told of a full disk at once. */
 static enum status log_write(struct bus *bus, const char *channel, const void *data, size_t size)
 {
-    lcm_eventlog_event_t event = {.timestamp =
-                                      bus->clock_start_us + (int64_t)(1e6 * (clock_now_s() - bus->opened_at_s)),
-                                  .channellen = (int32_t)strlen(channel),
-                                  .datalen = (int32_t)size,
-                                  .channel = (char *)channel,
-                                  .data = (void *)data};
-    if (lcm_eventlog_write_event(bus->log, &event) != 0 || ferror(bus->log->f))
-        return status_fail(STATUS_IO, "cannot write the event log: %s", strerror(errno));
-    return STATUS_OK;
+    TRY(event_writer_add(bus->log, channel, data, size));
+    return event_writer_is_full(bus->log) ? event_writer_flush(bus->log) : STATUS_OK;
 }
 
 enum status bus_publish(struct bus *bus, const char *channel, const void *data, size_t size)

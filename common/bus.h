@@ -3,12 +3,12 @@
 #ifndef SHAKEDOWN_COMMON_BUS_H
 #define SHAKEDOWN_COMMON_BUS_H
 
-#include <lcm/eventlog.h>
 #include <lcm/lcm.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "common/event_log.h"
 #include "common/status.h"
 
 /* Recorded channels, in the order of record_ack_t.next_seq. */
@@ -39,12 +39,10 @@ extern const char *const record_channel_name[RECORD_CHANNELS];
 enum { BUS_MESSAGE_MAX = 60000 };
 
 struct bus {
-    struct direct *direct;  /* receives instead of LCM; NULL: LCM does */
-    lcm_t *lcm;             /* NULL: not open. Publish through bus_publish: a log that is written does not hear of it */
-    bool is_log;            /* file:// URL: nobody answers */
-    lcm_eventlog_t *log;    /* a log that is written; LCM's own log writer does not notice a full disk */
-    int64_t clock_start_us; /* stamps of that log: wall-clock time at its start, and the monotonic time since */
-    double opened_at_s;
+    struct direct *direct; /* receives instead of LCM; NULL: LCM does */
+    lcm_t *lcm;            /* NULL: not open. Publish through bus_publish: a log that is written does not hear of it */
+    bool is_log;           /* file:// URL: nobody answers */
+    struct event_writer *log; /* a log that is written */
 };
 
 /* Opens `url`; NULL or "" means $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0. A udpm URL without

@@ -8,6 +8,14 @@ static enum status refuse(const char *channel, int frame, int chunk, const char 
     return status_fail(STATUS_FORMAT, "%s: frame %d, chunk %d: %s", channel, frame, chunk, reason);
 }
 
+struct run_facts run_facts_of(const shakedown_run_info_t *info)
+{
+    return (struct run_facts){.dimension = info->dimension,
+                              .n_particles = info->n_particles,
+                              .n_walls = 2 * info->dimension,
+                              .frictional = info->frictional != 0};
+}
+
 enum status particle_set_init(struct particle_set *set, const struct run_facts *facts)
 {
     size_t n = (size_t)facts->n_particles;
@@ -22,6 +30,11 @@ void particle_set_free(struct particle_set *set)
     free(set->radius_m);
     free(set->mass_kg);
     *set = (struct particle_set){0};
+}
+
+void particle_set_restart(struct particle_set *set)
+{
+    set->n_chunks = set->next_chunk = set->filled = 0;
 }
 
 bool particle_set_is_complete(const struct particle_set *set)

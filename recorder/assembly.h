@@ -14,6 +14,8 @@ struct run_facts {
     bool frictional;
 };
 
+struct run_facts run_facts_of(const shakedown_run_info_t *info);
+
 /* Radii and masses of all particles. */
 struct particle_set {
     int n_chunks, next_chunk; /* complete when equal and not 0 */
@@ -56,6 +58,7 @@ struct contact_frame {
 
 enum status particle_set_init(struct particle_set *set, const struct run_facts *facts) MUST_USE;
 void particle_set_free(struct particle_set *set);
+void particle_set_restart(struct particle_set *set); /* a run that goes on sends it again */
 bool particle_set_is_complete(const struct particle_set *set);
 
 /* Takes a chunk, or says STATUS_FORMAT and changes nothing. */

@@ -3,24 +3,11 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-#include "recorder/event_log.h"
-
-/* As when recording live, so that what was written so far is readable if the disk becomes full. */
-static const double FLUSH_EVERY_S = 2.0;
-
-static enum status flush_now_and_then(struct recording *recording, double *flush_at_s)
-{
-    if (clock_now_s() - *flush_at_s < FLUSH_EVERY_S)
-        return STATUS_OK;
-    TRY(recording_flush(recording));
-    *flush_at_s = clock_now_s();
-    return STATUS_OK;
-}
+#include "common/event_log.h"
 
 static enum status take_events(struct recording *recording, struct event_reader *reader)
 {
     struct event event;
-    double flush_at_s = clock_now_s();
     bool found;
     TRY(event_reader_next(reader, &event, &found));
     while (found) {
@@ -28,7 +15,6 @@ static enum status take_events(struct recording *recording, struct event_reader 
         int kind = message_kind(event.channel);
         if (kind >= 0 && kind < MESSAGE_LOGGED_KINDS)
             TRY(recording_take(recording, kind, event.data, event.size, &answer));
-        TRY(flush_now_and_then(recording, &flush_at_s));
         TRY(event_reader_next(reader, &event, &found));
     }
     return STATUS_OK;
@@ -52,9 +38,19 @@ enum status convert_log(struct recording *recording, const char *path)
     if (status == STATUS_OK)
         report_damage(&reader, path);
     event_reader_close(&reader);
+    return status == STATUS_OK ? recording_finish(recording) : status;
+}
+
+enum status convert_into(const char *path, const char *directory, struct run_counts *counts)
+{
+    struct recording *recording;
+    const struct recording_options options = {
+        .directory = directory, .any_run = true, .from_log = true, .replace = true};
+    enum status status = recording_create(&recording, &options);
     if (status == STATUS_OK)
-        return recording_finish(recording);
-    char reason[1024];
-    snprintf(reason, sizeof reason, "%s", status_message());
-    return recording_finish(recording) == STATUS_OK ? status : status_fail(status, "%s", reason);
+        status = convert_log(recording, path);
+    if (recording)
+        *counts = recording_counts(recording);
+    recording_free(recording);
+    return status;
 }

@@ -8,4 +8,7 @@
  * log lacks messages of the run; STATUS_IO if it cannot be read or run.h5 cannot be written. */
 enum status convert_log(struct recording *recording, const char *path) MUST_USE;
 
+/* The same into DIR/run.h5, whether it is there or not. */
+enum status convert_into(const char *path, const char *directory, struct run_counts *counts) MUST_USE;
+
 #endif

@@ -1,7 +1,6 @@
 #include "recorder/h5.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -53,75 +52,30 @@ static enum status release(enum status status, hid_t id, herr_t (*close)(hid_t),
     return fail("close", path);
 }
 
-/* The cache writes metadata when it likes; a kill in between would leave nodes of different ages. */
-static bool keep_metadata_until_flush(hid_t access)
-{
-    H5AC_cache_config_t cache = {.version = H5AC__CURR_CACHE_CONFIG_VERSION};
-    if (H5Pget_mdc_config(access, &cache) < 0)
-        return false;
-    cache.evictions_enabled = 0;
-    cache.incr_mode = H5C_incr__off;
-    cache.flash_incr_mode = H5C_flash_incr__off;
-    cache.decr_mode = H5C_decr__off;
-    return H5Pset_mdc_config(access, &cache) >= 0;
-}
-
-/* Readers may have the file open, and open it, at any time. */
-static bool access_set(hid_t access)
-{
-    return access >= 0 && H5Pset_file_locking(access, 0, 1) >= 0 && keep_metadata_until_flush(access);
-}
-
-static enum status file_start(const char *path, bool create, hid_t *file)
+enum status h5_file_create(const char *path, hid_t *file)
 {
     *file = H5I_INVALID_HID;
     (void)H5dont_atexit(); /* fails if it was called before, which does no harm */
     TRY(check(H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0, "set up HDF5 for", path));
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    enum status status = check(access_set(access), "set up HDF5 for", path);
+    enum status status = check(access >= 0 && H5Pset_file_locking(access, 0, 1) >= 0, "set up HDF5 for", path);
     if (status == STATUS_OK) {
-        *file = create ? H5Fcreate(path, H5F_ACC_EXCL, H5P_DEFAULT, access) : H5Fopen(path, H5F_ACC_RDWR, access);
-        status = check(*file >= 0, create ? "create" : "open", path);
+        *file = H5Fcreate(path, H5F_ACC_EXCL, H5P_DEFAULT, access);
+        status = check(*file >= 0, "create", path);
     }
     return release(status, access, H5Pclose, path);
 }
 
-enum status h5_file_create(const char *path, hid_t *file)
-{
-    return file_start(path, true, file);
-}
-
-enum status h5_file_open(const char *path, hid_t *file)
-{
-    return file_start(path, false, file);
-}
-
-/* Has the file system set aside room for all that HDF5 has given an address to. Chunks are written when they come
- * (chunk_access), so after this a flush does not fail for want of room half way through the metadata. */
-static enum status reserve(hid_t file)
-{
-    hsize_t size;
-    void *handle;
-    TRY(check(H5Fget_filesize(file, &size) >= 0, "flush", "run.h5"));
-    TRY(check(H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0, "flush", "run.h5"));
-    int descriptor = *(int *)handle; /* the default driver's */
-    if (fallocate(descriptor, 0, 0, (off_t)size) == 0 || errno == EOPNOTSUPP || errno == ENOSYS)
-        return STATUS_OK; /* some file systems cannot promise */
-    return status_fail(STATUS_IO, "cannot write run.h5: %s", strerror(errno));
-}
-
 enum status h5_file_flush(hid_t file)
 {
-    TRY(reserve(file));
     return check(H5Fflush(file, H5F_SCOPE_LOCAL) >= 0, "flush", "run.h5");
 }
 
-enum status h5_file_sync(hid_t file)
+void h5_file_abandon(hid_t file)
 {
-    void *handle;
-    TRY(h5_file_flush(file));
-    TRY(check(H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0, "flush", "run.h5"));
-    return fsync(*(int *)handle) == 0 ? STATUS_OK : status_fail(STATUS_IO, "cannot write run.h5: %s", strerror(errno));
+    void *handle; /* a descriptor, with the default driver */
+    if (file >= 0 && H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0 && ftruncate(*(int *)handle, 0) != 0)
+        fprintf(stderr, "recorder: warning: the room of run.h5.part cannot be given back: %s\n", strerror(errno));
 }
 
 enum status h5_file_close(hid_t file)
@@ -153,26 +107,15 @@ enum status h5_link(hid_t file, const char *target, const char *name)
     return check(H5Lcreate_hard(file, target, file, name, H5P_DEFAULT, H5P_DEFAULT) >= 0, "link", name);
 }
 
-/* Access without a cache of chunks: they are written whole or once in a while, and a full disk shall be seen at the
- * write. To be closed also on failure. */
-static enum status chunk_access(const char *path, hid_t *access)
-{
-    *access = H5Pcreate(H5P_DATASET_ACCESS);
-    return check(*access >= 0 && H5Pset_chunk_cache(*access, 0, 0, 1.0) >= 0, "create", path);
-}
-
 static enum status dataset_create(hid_t file, const char *path, hid_t type, hid_t space, hid_t properties, hid_t *id)
 {
-    hid_t links, access = H5I_INVALID_HID;
+    hid_t links;
     *id = H5I_INVALID_HID;
     enum status status = link_with_groups(&links, path);
-    if (status == STATUS_OK)
-        status = chunk_access(path, &access);
     if (status == STATUS_OK) {
-        *id = H5Dcreate2(file, path, type, space, links, properties, access);
+        *id = H5Dcreate2(file, path, type, space, links, properties, H5P_DEFAULT);
         status = check(*id >= 0, "create", path);
     }
-    status = release(status, access, H5Pclose, path);
     return release(status, links, H5Pclose, path);
 }
 
@@ -203,62 +146,6 @@ enum status h5_series_create(hid_t file, const char *path, hid_t type, int rank,
     status = release(status, properties, H5Pclose, path);
     TRY(release(status, space, H5Sclose, path));
     return h5_attribute_text(file, path, "unit_si", unit);
-}
-
-/* Whether the open series has rows of this shape; sets its number of rows. */
-static enum status series_check(struct h5_series *series, const char *path, const hsize_t *row_dims)
-{
-    hsize_t dims[H5_RANK_MAX] = {0};
-    hid_t space = H5Dget_space(series->id), type = H5Dget_type(series->id);
-    bool ok = space >= 0 && type >= 0 && H5Tequal(type, series->type) > 0 &&
-              H5Sget_simple_extent_ndims(space) == series->rank && H5Sget_simple_extent_dims(space, dims, NULL) >= 0;
-    for (int k = 1; k < series->rank; k++) {
-        series->dims[k] = row_dims[k - 1];
-        ok = ok && dims[k] == row_dims[k - 1];
-    }
-    series->rows = dims[0];
-    enum status status = ok ? STATUS_OK : status_fail(STATUS_FORMAT, "%s is not of this run", path);
-    status = release(status, type, H5Tclose, path);
-    return release(status, space, H5Sclose, path);
-}
-
-enum status h5_series_open(hid_t file, const char *path, hid_t type, int rank, const hsize_t *row_dims,
-                           struct h5_series *series)
-{
-    hid_t access;
-    *series = (struct h5_series){.id = H5I_INVALID_HID, .type = type, .rank = rank};
-    enum status status = chunk_access(path, &access);
-    if (status == STATUS_OK) {
-        series->id = H5Dopen2(file, path, access);
-        status = check(series->id >= 0, "open", path);
-    }
-    TRY(release(status, access, H5Pclose, path));
-    return series_check(series, path, row_dims);
-}
-
-enum status h5_series_cut(struct h5_series *series, hsize_t rows)
-{
-    hsize_t dims[H5_RANK_MAX] = {rows, series->dims[1], series->dims[2]};
-    if (series->rows < rows)
-        return status_fail(STATUS_FORMAT, "run.h5 has %llu rows where the checkpoint knows of %llu",
-                           (unsigned long long)series->rows, (unsigned long long)rows);
-    if (series->rows > rows)
-        TRY(check(H5Dset_extent(series->id, dims) >= 0, "cut", "run.h5"));
-    series->rows = rows;
-    return STATUS_OK;
-}
-
-enum status h5_series_read(const struct h5_series *series, hsize_t first, hsize_t rows, void *data)
-{
-    hsize_t start[H5_RANK_MAX] = {first}, count[H5_RANK_MAX] = {rows, series->dims[1], series->dims[2]};
-    if (rows == 0)
-        return STATUS_OK;
-    hid_t space = H5Dget_space(series->id), memory = H5Screate_simple(series->rank, count, NULL);
-    bool ok = space >= 0 && memory >= 0 && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0;
-    ok = ok && H5Dread(series->id, series->type, memory, space, H5P_DEFAULT, data) >= 0;
-    enum status status = check(ok, "read", "run.h5");
-    status = release(status, memory, H5Sclose, "run.h5");
-    return release(status, space, H5Sclose, "run.h5");
 }
 
 /* Writes into the selection of the last `rows` rows. */
@@ -319,14 +206,6 @@ static enum status write_attribute(hid_t file, const char *path, const char *nam
     hid_t id = H5Acreate_by_name(file, path, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
     TRY(check(id >= 0, "create the attribute", name));
     enum status status = check(H5Awrite(id, type, data) >= 0, "write the attribute", name);
-    return release(status, id, H5Aclose, name);
-}
-
-enum status h5_attribute_read(hid_t file, const char *path, const char *name, hid_t type, void *value)
-{
-    hid_t id = H5Aopen_by_name(file, path, name, H5P_DEFAULT, H5P_DEFAULT);
-    bool ok = id >= 0 && H5Aread(id, type, value) >= 0;
-    enum status status = ok ? STATUS_OK : status_fail(STATUS_FORMAT, "run.h5: %s has no attribute %s", path, name);
     return release(status, id, H5Aclose, name);
 }
 

@@ -25,22 +25,19 @@ struct h5_layout {
     int deflate; /* level 1 ... 9 with shuffle; 0: not compressed */
 };
 
-/* Creates `path`; STATUS_IO if it exists. Metadata reach the disk in flushes alone, so that a process killed at any
- * other moment leaves the file as the last flush left it. Also stops HDF5 from printing its errors and from closing
- * files at exit (which may never end on a full disk). */
+/* Creates `path`; STATUS_IO if it exists. Also stops HDF5 from printing its errors and from closing files at exit
+ * (which may never end on a full disk). */
 enum status h5_file_create(const char *path, hid_t *file) MUST_USE;
+
+/* What was written so far makes a whole file, of which a copy may be taken. */
 enum status h5_file_flush(hid_t file) MUST_USE;
 
-/* Opens `path` to go on writing, in the same way. */
-enum status h5_file_open(const char *path, hid_t *file) MUST_USE;
-
-/* Flush, and the file on disk. */
-enum status h5_file_sync(hid_t file) MUST_USE;
-
-/* Closes the file. Everything opened in it must be closed. After a failed write better leave it open: closing would
- * write metadata that do not fit the data, and the file would be unreadable, where now it is as the last flush left it.
- */
+/* Closes the file. Everything opened in it must be closed. */
 enum status h5_file_close(hid_t file) MUST_USE;
+
+/* For a file that cannot be written: gives its room on the disk back and leaves it to the end of the process, as
+ * closing would try to write. Negative: nothing. */
+void h5_file_abandon(hid_t file);
 
 /* Creates a group with the groups on its way. */
 enum status h5_group_create(hid_t file, const char *path) MUST_USE;
@@ -53,16 +50,6 @@ enum status h5_link(hid_t file, const char *target, const char *name) MUST_USE;
 enum status h5_series_create(hid_t file, const char *path, hid_t type, int rank, const hsize_t *row_dims,
                              const struct h5_layout *layout, const char *unit, struct h5_series *series) MUST_USE;
 
-/* Opens a series that h5_series_create made. STATUS_FORMAT if it has another shape or type. */
-enum status h5_series_open(hid_t file, const char *path, hid_t type, int rank, const hsize_t *row_dims,
-                           struct h5_series *series) MUST_USE;
-
-/* Goes on after the first `rows` rows; those behind are dropped. STATUS_FORMAT if there are fewer. */
-enum status h5_series_cut(struct h5_series *series, hsize_t rows) MUST_USE;
-
-/* Reads rows [first, first + rows) into `data`. */
-enum status h5_series_read(const struct h5_series *series, hsize_t first, hsize_t rows, void *data) MUST_USE;
-
 /* Appends `rows` rows from `data` [rows][row_dims...]. */
 enum status h5_series_append(struct h5_series *series, hsize_t rows, const void *data) MUST_USE;
 enum status h5_series_close(struct h5_series *series) MUST_USE;
@@ -70,9 +57,6 @@ enum status h5_series_close(struct h5_series *series) MUST_USE;
 /* Writes a dataset of fixed shape [n]. */
 enum status h5_vector_write(hid_t file, const char *path, hid_t type, hsize_t n, const void *data,
                             const char *unit) MUST_USE;
-
-/* Reads a number that h5_attribute_numbers wrote; STATUS_FORMAT if there is none. */
-enum status h5_attribute_read(hid_t file, const char *path, const char *name, hid_t type, void *value) MUST_USE;
 
 /* Creates or overwrites an attribute of the object at `path`: [n] numbers (n = 0: a scalar), a text, [n] texts.
  * Texts are of fixed length, ended by a zero, UTF-8. */

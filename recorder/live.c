@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <sys/types.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "common/signals.h"
@@ -10,7 +11,11 @@
 /* How the sender is told (lcmtypes/CHANNELS.md), and how the end is kept: END comes again until the sender
  * knows that the run is complete, at least five times a second. */
 enum { ACK_EVERY_RECORDS = 8, ACK_EVERY_WALLS = 16, WAIT_MS = 10, SETTLE_MS = 1 };
-static const double ACK_EVERY_S = 0.05, ACK_SPACING_S = 0.0002, FLUSH_EVERY_S = 2.0, STOP_PATIENCE_S = 10.0;
+static const double ACK_EVERY_S = 0.05, ACK_SPACING_S = 0.0002, STOP_PATIENCE_S = 10.0;
+/* Readers see a new run.h5 that often, or less if copying it takes long. */
+static const double PUBLISH_EVERY_S = 2.0, PUBLISH_TIMES = 50.0;
+/* Between attempts to write while the disk is full. */
+static const double ROOM_EVERY_S = 0.5;
 /* Without its starter, nobody else would end a recorder whose simulator is gone. */
 static const double ORPHAN_PATIENCE_S = 60.0;
 static const double LINGER_S = 0.3, LINGER_MAX_S = 5.0, FAILED_ACKS_S = 0.5;
@@ -36,7 +41,7 @@ struct live {
     int records_unanswered, walls_unanswered;
     bool answer_now;
     int64_t ends; /* copies of END that came */
-    double ack_at_s, flush_at_s, message_at_s, stop_at_s;
+    double ack_at_s, publish_at_s, message_at_s, stop_at_s;
 };
 
 static void on_message(const lcm_recv_buf_t *buffer, const char *channel, void *user)
@@ -68,7 +73,7 @@ static void on_life(const lcm_recv_buf_t *buffer, const char *channel, void *use
         source->live->message_at_s = clock_now_s();
 }
 
-static enum status send_ack(struct live *live)
+static enum status publish_ack(struct live *live, bool waits)
 {
     enum { ACK_SIZE_MAX = 256 + 12 * EARLY_MAX };
     unsigned char bytes[ACK_SIZE_MAX];
@@ -76,6 +81,7 @@ static enum status send_ack(struct live *live)
     recording_ack(live->recording, &ack);
     ack.message.seq = live->ack_seq++;
     ack.message.failed = live->failed;
+    ack.message.waits = waits;
     int size = shakedown_record_ack_t_encode(bytes, 0, sizeof bytes, &ack.message);
     if (size < 0)
         return status_fail(STATUS_FORMAT, "cannot encode RECORD_ACK");
@@ -84,6 +90,36 @@ static enum status send_ack(struct live *live)
     live->records_unanswered = live->walls_unanswered = 0;
     live->ack_at_s = clock_now_s();
     return bus_publish(&live->bus, CHANNEL_RECORD_ACK, bytes, (size_t)size);
+}
+
+/* The disk is full: the sender is told to wait, until there is room or somebody wants to end it. What comes meanwhile
+ * waits in its queue: no more than the sender's window. */
+static enum status wait_for_room(struct live *live)
+{
+    bool told = false;
+    while (recording_waits_for_room(live->recording) && !stop_requested()) {
+        if (!told)
+            fprintf(stderr, "recorder: warning: %s; waiting for room\n", status_message());
+        told = true;
+        TRY(publish_ack(live, true));
+        struct timespec pause = {.tv_nsec = (long)(1e9 * ROOM_EVERY_S)};
+        (void)nanosleep(&pause, NULL); /* a signal may end it early */
+        if (recording_secure(live->recording) == STATUS_OK) {
+            fprintf(stderr, "recorder: there is room again\n");
+            return STATUS_OK;
+        }
+    }
+    return status_fail(STATUS_IO, "%s", "cannot write run.lcm: No space left on device");
+}
+
+/* What is acknowledged is out of this process' hands. */
+static enum status send_ack(struct live *live)
+{
+    enum status status = live->failed ? STATUS_OK : recording_secure(live->recording);
+    if (status != STATUS_OK && recording_waits_for_room(live->recording))
+        status = wait_for_room(live);
+    TRY(status);
+    return publish_ack(live, false);
 }
 
 /* Walls come at the full rate of exchange: if they are not wanted they should not cost anything. */
@@ -134,15 +170,22 @@ static bool has_patience(struct live *live)
     return false;
 }
 
+static void publish_now_and_then(struct live *live)
+{
+    const double start_s = clock_now_s();
+    if (!recording_has_run(live->recording) || start_s < live->publish_at_s)
+        return;
+    recording_publish(live->recording);
+    const double took_s = clock_now_s() - start_s;
+    live->publish_at_s = clock_now_s() + fmax(PUBLISH_EVERY_S, PUBLISH_TIMES * took_s);
+}
+
 static enum status record_until_end(struct live *live)
 {
     while (!recording_end_matches(live->recording) && has_patience(live)) {
         TRY(handle(live));
         unsubscribe_walls(live);
-        if (clock_now_s() - live->flush_at_s >= FLUSH_EVERY_S) {
-            TRY(recording_flush(live->recording));
-            live->flush_at_s = clock_now_s(); /* a slow disk shall not be flushed all the time */
-        }
+        publish_now_and_then(live);
     }
     return STATUS_OK;
 }
@@ -189,7 +232,7 @@ static enum status subscribe(struct live *live)
 static enum status record(struct live *live)
 {
     TRY(subscribe(live));
-    live->message_at_s = live->flush_at_s = clock_now_s();
+    live->message_at_s = clock_now_s();
     TRY(record_until_end(live));
     TRY(recording_finish(live->recording));
     return linger(live);

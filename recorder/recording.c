@@ -2,30 +2,26 @@
 
 #include <errno.h>
 #include <inttypes.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "common/coupling.h"
+#include "common/event_log.h"
 #include "common/message.h"
 #include "common/scene_file.h"
 #include "recorder/backlog.h"
 #include "recorder/early.h"
-#include "recorder/event_log.h"
-#include "recorder/folder_lock.h"
+#include "recorder/store.h"
 #include "recorder/wall_order.h"
-#include "recorder/xdmf.h"
 
 enum { WARNINGS_MAX = 5 };
 
 struct recording {
-    char path[PATH_MAX]; /* run.h5 */
-    char log_path[PATH_MAX];
-    char xdmf_path[PATH_MAX];
-    int lock;
+    struct store *store;
     bool any_run, from_log, resume;
+    bool replaying; /* taking again what is in the log of a run that goes on */
     int64_t run_id;
 
     bool has_run;
@@ -43,64 +39,23 @@ struct recording {
     struct backlog backlog; /* wall messages before RUN_INFO says whether they are wanted */
     shakedown_end_t *end;   /* the last END, whether it matched or not */
     bool end_matches, finished, complete;
-
-    struct run_writer *writer;
-    struct event_writer *log;
-    struct xdmf xdmf;
-    struct run_counts counts; /* at the end */
+    bool sync_wanted; /* a CHECKPOINT or END was taken that is not on disk yet */
     struct recording_drops drops;
     int warnings;
 };
-
-static enum status make_path(char path[PATH_MAX], const char *directory, const char *name)
-{
-    int length = snprintf(path, PATH_MAX, "%s/%s", directory, name);
-    return length < PATH_MAX ? STATUS_OK : status_fail(STATUS_IO, "the path %s is too long", directory);
-}
-
-/* Makes `directory` and those above it. */
-static enum status directory_make(const char *directory)
-{
-    char path[PATH_MAX];
-    TRY(make_path(path, directory, ""));
-    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        if (mkdir(path, 0777) != 0 && errno != EEXIST)
-            return status_fail(STATUS_IO, "cannot make the directory %s: %s", path, strerror(errno));
-        *slash = '/';
-    }
-    if (access(directory, W_OK | X_OK) != 0)
-        return status_fail(STATUS_IO, "cannot write into %s: %s", directory, strerror(errno));
-    return STATUS_OK;
-}
-
-static enum status refuse_existing(const char *path)
-{
-    if (access(path, F_OK) == 0)
-        return status_fail(STATUS_IO, "%s exists; a run is never overwritten: take another directory or remove it",
-                           path);
-    return STATUS_OK;
-}
 
 enum status recording_create(struct recording **result, const struct recording_options *options)
 {
     struct recording *recording = *result = calloc(1, sizeof *recording);
     if (!recording)
         return status_fail(STATUS_NO_MEMORY, "no memory for the recording");
-    recording->lock = -1;
     recording->any_run = options->any_run;
     recording->run_id = options->run_id;
     recording->from_log = options->from_log;
     recording->resume = options->resume;
-    TRY(make_path(recording->path, options->directory, "run.h5"));
-    TRY(make_path(recording->log_path, options->directory, "run.lcm"));
-    TRY(make_path(recording->xdmf_path, options->directory, "run.xdmf"));
-    TRY(directory_make(options->directory));
-    TRY(folder_lock(options->directory, &recording->lock));
-    if (options->resume)
-        return STATUS_OK;
-    TRY(refuse_existing(recording->path));
-    return options->from_log ? STATUS_OK : refuse_existing(recording->log_path);
+    const struct store_options store = {
+        .directory = options->directory, .log = !options->from_log, .replace = options->resume || options->replace};
+    return store_create(&recording->store, &store);
 }
 
 /* Counts a message that cannot be used, and says so the first few times: it is a sign of a mistake. */
@@ -113,16 +68,14 @@ static void drop_malformed(struct recording *recording)
 
 static enum status log_message(struct recording *recording, int kind, const void *data, size_t size)
 {
-    if (!recording->log)
-        return STATUS_OK;
-    return event_writer_add(recording->log, message_channel(kind), data, size);
+    return recording->replaying ? STATUS_OK : store_log(recording->store, kind, data, size);
 }
 
 static enum status wall_write(struct recording *recording, int kind, const union message *message, const void *data,
                               size_t size)
 {
-    TRY(kind == MESSAGE_WALL_STATE ? run_writer_wall_state(recording->writer, &message->wall_state)
-                                   : run_writer_wall_command(recording->writer, &message->wall_command));
+    TRY(kind == MESSAGE_WALL_STATE ? store_wall_state(recording->store, &message->wall_state)
+                                   : store_wall_command(recording->store, &message->wall_command));
     recording->wall_total[kind - MESSAGE_WALL_STATE]++;
     return log_message(recording, kind, data, size);
 }
@@ -206,72 +159,131 @@ static enum status record_settings_read(const shakedown_run_info_t *info, struct
     return status == STATUS_CONFIG ? STATUS_FORMAT : status;
 }
 
-/* The CHECKPOINT that a run goes on from, in an event log. */
-static bool is_checkpoint(const struct event *event, const void *user)
+static enum status begin(struct recording *recording, const shakedown_run_info_t *info)
 {
-    const shakedown_run_info_t *info = user;
+    struct scene_record record = {0};
+    TRY(record_settings_read(info, &record));
+    TRY(store_begin(recording->store, info, record.walls == RECORD_WALLS_FULL, record.event_log));
+    recording->run_id = info->run_id;
+    recording->facts = run_facts_of(info);
+    recording->wants_walls = record.walls == RECORD_WALLS_FULL;
+    TRY(particle_set_init(&recording->particles, &recording->facts));
+    TRY(particle_frame_init(&recording->particle_frame, &recording->facts));
+    recording->has_run = true;
+    return STATUS_OK;
+}
+
+/* The CHECKPOINT that a run goes on from. */
+static bool is_checkpoint(const struct event *event, const shakedown_run_info_t *info)
+{
     struct message_header header;
     return strcmp(event->channel, record_channel_name[RECORD_CHECKPOINT]) == 0 &&
            message_header_read(event->data, event->size, &header) && header.run_id == info->run_id &&
            header.step == info->step && header.seq == info->resumed_total[RECORD_CHECKPOINT] - 1;
 }
 
-/* Times and numbers of what the file holds already. */
-static enum status take_over(struct recording *recording, const shakedown_run_info_t *info,
-                             const struct run_counts *counts)
+/* Whether it is the END of a run that went well. */
+static bool is_good_end(const struct event *event)
 {
-    memcpy(recording->next_seq, info->resumed_total, sizeof recording->next_seq);
-    recording->next_seq[RECORD_RUN_INFO] = recording->next_seq[RECORD_PARTICLES] = 0;
-    recording->particle_frame.place.frame = recording->contact_frame.place.frame = (int)info->resumed_frames;
-    recording->wall_total[0] = counts->wall_states;
-    recording->wall_total[1] = counts->wall_commands;
-    recording->walls.next = 2 * info->resumed_wall_states;
-    double *time_s = malloc((size_t)(counts->frames + 1) * sizeof *time_s);
-    if (!time_s)
-        return status_fail(STATUS_NO_MEMORY, "no memory for %" PRId64 " frames", counts->frames);
-    enum status status = run_writer_frame_times(recording->writer, time_s);
-    for (int64_t k = 0; status == STATUS_OK && k < counts->frames; k++)
-        status = xdmf_frame_add(&recording->xdmf, time_s[k]);
-    free(time_s);
-    return status;
+    union message message;
+    if (strcmp(event->channel, record_channel_name[RECORD_END]) != 0 ||
+        message_decode(RECORD_END, event->data, event->size, &message) != STATUS_OK)
+        return false;
+    bool good = message.end.status == STATUS_OK;
+    message_free(RECORD_END, &message);
+    return good;
 }
 
-static enum status resume_files(struct recording *recording, const shakedown_run_info_t *info, bool event_log)
+/* Finds where in the log the record stands that the checkpoint knows of. */
+static enum status find_checkpoint(struct event_reader *reader, const shakedown_run_info_t *info, int64_t *place)
 {
-    struct run_counts counts;
+    struct event event;
+    bool found;
+    *place = -1;
+    TRY(event_reader_next(reader, &event, &found));
+    while (found) {
+        if (is_good_end(&event))
+            return status_fail(STATUS_IO, "its run is complete already");
+        if (*place < 0 && is_checkpoint(&event, info))
+            *place = event_reader_place(reader);
+        TRY(event_reader_next(reader, &event, &found));
+    }
+    return *place >= 0 ? STATUS_OK : status_fail(STATUS_IO, "the log does not reach to the checkpoint");
+}
+
+static enum status take_again(struct recording *recording, struct event_reader *reader, int64_t place)
+{
+    struct event event;
+    bool found = true;
+    while (event_reader_place(reader) < place) {
+        enum recording_answer answer;
+        TRY(event_reader_next(reader, &event, &found));
+        if (!found)
+            break;
+        int kind = message_kind(event.channel);
+        if (kind >= 0 && kind < MESSAGE_LOGGED_KINDS)
+            TRY(recording_take(recording, kind, event.data, event.size, &answer));
+    }
+    return STATUS_OK;
+}
+
+static enum status resumed_totals_check(const struct recording *recording, const shakedown_run_info_t *info)
+{
+    for (int c = 0; c < RECORD_CHANNELS; c++) {
+        if (recording->next_seq[c] != info->resumed_total[c])
+            return status_fail(STATUS_IO, "%s: %s %" PRId64 " of %" PRId64 " that the checkpoint knows of",
+                               store_log_path(recording->store), record_channel_name[c], recording->next_seq[c],
+                               info->resumed_total[c]);
+    }
+    if (recording->wants_walls && wall_order_exchanges(&recording->walls) < info->resumed_wall_states)
+        return status_fail(STATUS_IO, "%s: exchanges of the walls before the checkpoint are missing",
+                           store_log_path(recording->store));
+    return STATUS_OK;
+}
+
+static enum status resume_from(struct recording *recording, const shakedown_run_info_t *info,
+                               struct event_reader *reader)
+{
+    int64_t place;
+    TRY(find_checkpoint(reader, info, &place));
+    if (fseeko(reader->file, 0, SEEK_SET) != 0)
+        return status_fail(STATUS_IO, "cannot read the log: %s", strerror(errno));
+    recording->replaying = true;
+    enum status status = take_again(recording, reader, place);
+    recording->replaying = false;
+    TRY(status);
+    TRY(resumed_totals_check(recording, info));
+    recording->next_seq[RECORD_RUN_INFO] = recording->next_seq[RECORD_PARTICLES] = 0; /* are said again */
+    particle_set_restart(&recording->particles);
+    return store_continue(recording->store, place);
+}
+
+/* A run that goes on: everything up to its checkpoint is taken again from the log, which is cut there. */
+static enum status resume(struct recording *recording, const shakedown_run_info_t *info)
+{
+    struct event_reader reader;
+    char reason[512];
     if (!recording->resume)
         return status_fail(STATUS_IO, "the run goes on from a checkpoint: the recorder needs --resume");
-    TRY(run_writer_resume(&recording->writer, recording->path, info, recording->wants_walls, &counts));
-    TRY(take_over(recording, info, &counts));
-    if (event_log)
-        TRY(event_writer_resume(&recording->log, recording->log_path, is_checkpoint, info));
-    return STATUS_OK;
-}
-
-static enum status create_files(struct recording *recording, const shakedown_run_info_t *info, bool event_log)
-{
-    TRY(run_writer_create(&recording->writer, recording->path, info, recording->wants_walls));
-    if (event_log)
-        TRY(event_writer_create(&recording->log, recording->log_path));
-    return STATUS_OK;
+    if (access(store_log_path(recording->store), F_OK) != 0 && access(store_path(recording->store), F_OK) == 0)
+        return status_fail(STATUS_IO, "%s is complete already, its log was removed", store_path(recording->store));
+    enum status status = event_reader_open(&reader, store_log_path(recording->store));
+    if (status == STATUS_OK)
+        status = resume_from(recording, info, &reader);
+    event_reader_close(&reader);
+    if (status == STATUS_OK)
+        return STATUS_OK;
+    snprintf(reason, sizeof reason, "%s", status_message());
+    return status_fail(STATUS_IO, "%s cannot be gone on with: %s", store_log_path(recording->store), reason);
 }
 
 static enum status take_run_info(struct recording *recording, const shakedown_run_info_t *info)
 {
+    if (info->n_resumed == 0)
+        return begin(recording, info);
     struct scene_record record = {0};
-    TRY(record_settings_read(info, &record));
-    recording->run_id = info->run_id;
-    recording->facts = (struct run_facts){.dimension = info->dimension,
-                                          .n_particles = info->n_particles,
-                                          .n_walls = 2 * info->dimension,
-                                          .frictional = info->frictional != 0};
-    recording->wants_walls = record.walls == RECORD_WALLS_FULL;
-    TRY(particle_set_init(&recording->particles, &recording->facts));
-    TRY(particle_frame_init(&recording->particle_frame, &recording->facts));
-    bool event_log = record.event_log && !recording->from_log;
-    TRY(info->n_resumed > 0 ? resume_files(recording, info, event_log) : create_files(recording, info, event_log));
-    recording->has_run = true;
-    return STATUS_OK;
+    TRY(record_settings_read(info, &record)); /* STATUS_FORMAT before anything is touched */
+    return resume(recording, info);
 }
 
 static enum status take_particles(struct recording *recording, const shakedown_particles_t *chunk)
@@ -279,19 +291,19 @@ static enum status take_particles(struct recording *recording, const shakedown_p
     TRY(particle_set_add(&recording->particles, &recording->facts, chunk));
     if (!particle_set_is_complete(&recording->particles))
         return STATUS_OK;
-    return run_writer_particles(recording->writer, &recording->particles);
+    return store_particles(recording->store, &recording->particles);
 }
 
 static enum status take_sample(struct recording *recording, const shakedown_sample_t *sample)
 {
     if (sample->dimension != recording->facts.dimension)
         return status_fail(STATUS_FORMAT, "SAMPLE: its dimension is not the run's");
-    return run_writer_sample(recording->writer, sample);
+    return store_sample(recording->store, sample);
 }
 
 static enum status take_note(struct recording *recording, const shakedown_note_t *message)
 {
-    return run_writer_note(recording->writer, message);
+    return store_note(recording->store, message);
 }
 
 static enum status take_frame_particles(struct recording *recording, const shakedown_frame_particles_t *chunk)
@@ -300,8 +312,7 @@ static enum status take_frame_particles(struct recording *recording, const shake
     TRY(particle_frame_add(&recording->particle_frame, &recording->facts, chunk, &full));
     if (!full)
         return STATUS_OK;
-    TRY(run_writer_particle_frame(recording->writer, &recording->particle_frame));
-    TRY(xdmf_frame_add(&recording->xdmf, chunk->time_s));
+    TRY(store_particle_frame(recording->store, &recording->particle_frame));
     frame_place_next(&recording->particle_frame.place);
     return STATUS_OK;
 }
@@ -312,7 +323,7 @@ static enum status take_frame_contacts(struct recording *recording, const shaked
     TRY(contact_frame_add(&recording->contact_frame, &recording->facts, chunk, &full));
     if (!full)
         return STATUS_OK;
-    TRY(run_writer_contact_frame(recording->writer, &recording->contact_frame));
+    TRY(store_contact_frame(recording->store, &recording->contact_frame));
     frame_place_next(&recording->contact_frame.place);
     return STATUS_OK;
 }
@@ -363,15 +374,6 @@ static bool everything_before_is_here(const struct recording *recording, const s
     return true;
 }
 
-/* Before it is acknowledged. */
-static enum status sync_files(struct recording *recording)
-{
-    if (recording->from_log)
-        return STATUS_OK;
-    TRY(run_writer_sync(recording->writer));
-    return recording->log ? event_writer_sync(recording->log) : STATUS_OK;
-}
-
 static enum status keep_end(struct recording *recording, const shakedown_end_t *end)
 {
     shakedown_end_t *copy = shakedown_end_t_copy(end);
@@ -405,7 +407,7 @@ static void take_early(struct recording *recording, int kind, const union messag
                        size_t size)
 {
     recording->drops.early++;
-    if (!recording->from_log) /* what a log lacks never comes */
+    if (!recording->from_log && !recording->replaying) /* what a log lacks never comes */
         early_keep(&recording->early, kind, message->header.seq, data, size);
 }
 
@@ -426,16 +428,15 @@ static enum status take_next(struct recording *recording, int kind, const union 
         return STATUS_OK;
     }
     TRY(status);
-    bool repeated = recording->resume && recording->log && (kind == RECORD_RUN_INFO || kind == RECORD_PARTICLES);
+    bool repeated = recording->resume && (kind == RECORD_RUN_INFO || kind == RECORD_PARTICLES);
     if (!repeated) /* by a run that goes on: the log has it */
         TRY(log_message(recording, kind, data, size));
-    if (kind == RECORD_CHECKPOINT)
-        TRY(sync_files(recording));
+    recording->sync_wanted |= kind >= RECORD_CHECKPOINT;
     recording->next_seq[kind]++;
     recording->last_step = message->header.step;
     recording->last_time_s = message->header.time_s;
     *answer = kind == RECORD_RUN_INFO || kind >= RECORD_CHECKPOINT ? ANSWER_NOW : ANSWER_SOON;
-    return kind == RECORD_RUN_INFO ? backlog_take(recording) : STATUS_OK;
+    return kind == RECORD_RUN_INFO && !recording->replaying ? backlog_take(recording) : STATUS_OK;
 }
 
 /* Whether a kept one is next and can be taken; it is taken out of those that are kept, also if it is no use. */
@@ -465,6 +466,8 @@ static enum status early_try(struct recording *recording, int k, bool *taken)
 static enum status early_try_all(struct recording *recording)
 {
     bool taken = false;
+    if (recording->replaying)
+        return STATUS_OK;
     for (int k = 0; k < recording->early.count; k = taken ? 0 : k + 1)
         TRY(early_try(recording, k, &taken));
     return STATUS_OK;
@@ -523,12 +526,24 @@ enum status recording_take(struct recording *recording, int kind, const void *da
     return status;
 }
 
-enum status recording_flush(struct recording *recording)
+enum status recording_secure(struct recording *recording)
 {
     if (!recording->has_run || recording->finished)
         return STATUS_OK;
-    TRY(run_writer_flush(recording->writer));
-    return recording->log ? event_writer_flush(recording->log) : STATUS_OK;
+    TRY(store_secure(recording->store, recording->sync_wanted));
+    recording->sync_wanted = false;
+    return STATUS_OK;
+}
+
+bool recording_waits_for_room(const struct recording *recording)
+{
+    return store_log_is_full(recording->store);
+}
+
+void recording_publish(struct recording *recording)
+{
+    if (recording->has_run && !recording->finished)
+        store_publish(recording->store);
 }
 
 void recording_ack(const struct recording *recording, struct recording_ack *ack)
@@ -591,7 +606,7 @@ static enum status incomplete(const struct recording *recording)
     if (!recording->has_run)
         return status_fail(STATUS_INCOMPLETE, "no RUN_INFO came: nothing was recorded");
     if (!end)
-        return status_fail(STATUS_INCOMPLETE, "%s: END is missing", recording->path);
+        return status_fail(STATUS_INCOMPLETE, "%s: END is missing", store_path(recording->store));
     for (int c = 0; c < RECORD_END && used < sizeof text; c++) {
         if (end->total[c] != recording->next_seq[c])
             used += (size_t)snprintf(text + used, sizeof text - used, " %s %" PRId64 " of %" PRId64,
@@ -603,31 +618,8 @@ static enum status incomplete(const struct recording *recording)
             used += (size_t)snprintf(text + used, sizeof text - used, " %s %" PRId64 " of %" PRId64,
                                      message_channel(MESSAGE_WALL_STATE + k), recording->wall_total[k], sent[k]);
     }
-    return status_fail(STATUS_INCOMPLETE, "%s: messages are missing:%s", recording->path,
+    return status_fail(STATUS_INCOMPLETE, "%s: messages are missing:%s", store_path(recording->store),
                        text[0] ? text : " chunks of a frame");
-}
-
-static void keep(enum status *first, enum status status)
-{
-    if (*first == STATUS_OK)
-        *first = status;
-}
-
-static enum status files_close(struct recording *recording, bool complete)
-{
-    enum status status = STATUS_OK;
-    if (recording->has_run && recording->end)
-        keep(&status, run_writer_end(recording->writer, recording->end));
-    if (recording->has_run)
-        recording->counts = run_writer_counts(recording->writer);
-    /* The log and the picture file first: `complete` says that all of it is there. */
-    keep(&status, event_writer_close(recording->log));
-    if (recording->has_run && !run_writer_has_failed(recording->writer))
-        keep(&status, xdmf_write(&recording->xdmf, &recording->facts, recording->xdmf_path));
-    keep(&status, run_writer_close(recording->writer, complete && status == STATUS_OK));
-    recording->writer = NULL;
-    recording->log = NULL;
-    return status;
 }
 
 enum status recording_finish(struct recording *recording)
@@ -637,23 +629,25 @@ enum status recording_finish(struct recording *recording)
     recording->finished = true;
     while (recording->has_run && wall_order_skip(&recording->walls, -1)) /* what waits for what never came */
         TRY(walls_write_next(recording));
-    enum status status = files_close(recording, recording->end_matches);
-    folder_unlock(recording->lock);
-    recording->lock = -1;
-    TRY(status);
+    TRY(store_finish(recording->store, recording->end, recording->end_matches));
     recording->complete = recording->end_matches;
     return recording->complete ? STATUS_OK : incomplete(recording);
+}
+
+struct run_counts recording_counts(const struct recording *recording)
+{
+    return store_counts(recording->store);
 }
 
 void recording_summary(const struct recording *recording, char *text, size_t size)
 {
     struct stat file;
-    double bytes = stat(recording->path, &file) == 0 ? (double)file.st_size : 0.0;
-    int used =
-        snprintf(text, size, "%s %s: %" PRId64 " samples, %" PRId64 " frames", recording->path,
-                 recording->complete ? "complete" : "incomplete", recording->counts.samples, recording->counts.frames);
+    const struct run_counts counts = store_counts(recording->store);
+    double bytes = stat(store_path(recording->store), &file) == 0 ? (double)file.st_size : 0.0;
+    int used = snprintf(text, size, "%s %s: %" PRId64 " samples, %" PRId64 " frames", store_path(recording->store),
+                        recording->complete ? "complete" : "incomplete", counts.samples, counts.frames);
     if (recording->wants_walls && used > 0 && (size_t)used < size)
-        used += snprintf(text + used, size - (size_t)used, ", %" PRId64 " wall states", recording->counts.wall_states);
+        used += snprintf(text + used, size - (size_t)used, ", %" PRId64 " wall states", counts.wall_states);
     if (used > 0 && (size_t)used < size)
         snprintf(text + used, size - (size_t)used, ", %.1f MB", 1e-6 * bytes);
 }
@@ -662,13 +656,12 @@ void recording_free(struct recording *recording)
 {
     if (!recording)
         return;
-    folder_unlock(recording->lock);
+    store_free(recording->store);
     early_free(&recording->early);
     backlog_free(&recording->backlog);
     particle_set_free(&recording->particles);
     particle_frame_free(&recording->particle_frame);
     contact_frame_free(&recording->contact_frame);
-    xdmf_free(&recording->xdmf);
     if (recording->end)
         shakedown_end_t_destroy(recording->end);
     free(recording);

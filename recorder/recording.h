@@ -13,7 +13,8 @@ struct recording_options {
     const char *directory; /* made if it is not there */
     bool any_run;          /* take the run of the first RUN_INFO; else: */
     int64_t run_id;
-    bool from_log; /* no event log is written */
+    bool from_log; /* no log is written */
+    bool replace;  /* run.h5 may be there already: it is replaced at the end */
     bool resume;   /* a run that goes on from a checkpoint, as its RUN_INFO says */
 };
 
@@ -37,8 +38,13 @@ enum status recording_create(struct recording **recording, const struct recordin
 enum status recording_take(struct recording *recording, int kind, const void *data, size_t size,
                            enum recording_answer *answer) MUST_USE;
 
-/* Brings to disk what a reader may want if this process is killed. */
-enum status recording_flush(struct recording *recording) MUST_USE;
+/* To be called before what was taken is acknowledged: hands the log to the system, and brings it to disk after a
+ * CHECKPOINT or END. STATUS_IO; if recording_waits_for_room then, it can be tried again. */
+enum status recording_secure(struct recording *recording) MUST_USE;
+bool recording_waits_for_room(const struct recording *recording);
+
+/* Shows readers what is there so far (store_publish). */
+void recording_publish(struct recording *recording);
 
 /* An acknowledgement with the arrays it points to. */
 struct recording_ack {
@@ -65,6 +71,8 @@ enum status recording_finish(struct recording *recording) MUST_USE;
 bool recording_is_complete(const struct recording *recording);
 
 /* "DIR/run.h5 complete: 1300 samples, 14 frames, 2.1 MB". */
+struct run_counts recording_counts(const struct recording *recording);
+
 void recording_summary(const struct recording *recording, char *text, size_t size);
 
 /* Releases all; files are closed by recording_finish alone. */

@@ -85,8 +85,7 @@ static const struct {
 
 struct run_writer {
     hid_t file;
-    bool failed; /* a write failed: close, but write nothing more */
-    bool resumed;
+    bool has_particles;
     struct run_facts facts;
     double radius_max_m;
     struct h5_series series[N_SERIES];
@@ -97,13 +96,6 @@ struct run_writer {
     hid_t note_type; /* its texts */
 };
 
-/* Remembers that the file is not to be trusted with more. */
-static enum status note(struct run_writer *writer, enum status status)
-{
-    writer->failed |= status != STATUS_OK;
-    return status;
-}
-
 static hid_t series_memory_type(enum series_type type)
 {
     const hid_t types[] = {[TYPE_I8] = H5T_NATIVE_INT8,
@@ -113,7 +105,7 @@ static hid_t series_memory_type(enum series_type type)
     return types[type];
 }
 
-static enum status series_start(struct run_writer *writer, enum series_id id)
+static enum status series_create(struct run_writer *writer, enum series_id id)
 {
     hsize_t n = (hsize_t)writer->facts.n_particles, width = series_table[id].width;
     hsize_t row[H5_RANK_MAX - 1] = {width};
@@ -128,9 +120,6 @@ static enum status series_start(struct run_writer *writer, enum series_id id)
         hsize_t particles = n < FRAME_CHUNK_PARTICLES ? n : FRAME_CHUNK_PARTICLES;
         layout = (struct h5_layout){.chunk = {1, particles, 3}, .deflate = FRAME_DEFLATE};
     }
-    if (writer->resumed)
-        return h5_series_open(writer->file, series_table[id].path, series_memory_type(series_table[id].type), rank, row,
-                              &writer->series[id]);
     return h5_series_create(writer->file, series_table[id].path, series_memory_type(series_table[id].type), rank, row,
                             &layout, series_table[id].unit, &writer->series[id]);
 }
@@ -141,7 +130,7 @@ static enum status frames_create(struct run_writer *writer)
     bool frictional = writer->facts.frictional;
     for (int id = 0; id < N_SERIES; id++) {
         if (frictional || !series_table[id].only_with_friction)
-            TRY(series_start(writer, (enum series_id)id));
+            TRY(series_create(writer, (enum series_id)id));
     }
     for (size_t k = 0; k < sizeof frame_links / sizeof *frame_links; k++) {
         if (frictional || !frame_links[k].only_with_friction)
@@ -274,12 +263,10 @@ static enum status note_type(hid_t *type)
     return STATUS_OK;
 }
 
-static enum status notes_start(struct run_writer *writer)
+static enum status notes_create(struct run_writer *writer)
 {
     const struct h5_layout layout = {.chunk = {NOTE_BLOCK}};
     TRY(note_type(&writer->note_type));
-    if (writer->resumed)
-        return h5_series_open(writer->file, "/notes", writer->note_type, 1, NULL, &writer->notes);
     return h5_series_create(writer->file, "/notes", writer->note_type, 1, NULL, &layout, "1", &writer->notes);
 }
 
@@ -291,7 +278,7 @@ static enum status contents_create(struct run_writer *writer, const shakedown_ru
     TRY(frames_create(writer));
     TRY(box_create(writer->file));
     TRY(samples_create(writer));
-    TRY(notes_start(writer));
+    TRY(notes_create(writer));
     if (walls)
         TRY(walls_create(writer));
     return h5_file_flush(writer->file);
@@ -303,7 +290,8 @@ static enum status writer_new(struct run_writer **result, const shakedown_run_in
     struct run_writer *writer = *result = calloc(1, sizeof *writer);
     if (!writer)
         return status_fail(STATUS_NO_MEMORY, "no memory for the writer");
-    writer->facts = (struct run_facts){info->dimension, info->n_particles, 2 * info->dimension, info->frictional != 0};
+    writer->file = H5I_INVALID_HID;
+    writer->facts = run_facts_of(info);
     for (int id = 0; id < N_SERIES; id++)
         writer->series[id].id = H5I_INVALID_HID;
     writer->notes.id = writer->note_type = H5I_INVALID_HID;
@@ -314,85 +302,8 @@ enum status run_writer_create(struct run_writer **result, const char *path, cons
                               bool walls)
 {
     TRY(writer_new(result, info));
-    struct run_writer *writer = *result;
-    TRY(note(writer, h5_file_create(path, &writer->file)));
-    enum status status = note(writer, contents_create(writer, info, walls));
-    if (status != STATUS_OK)
-        (void)unlink(path); /* never flushed, so no one can read it */
-    return status;
-}
-
-/* Whether the file is of this run and has not ended well. */
-static enum status resume_check(const struct run_writer *writer, const shakedown_run_info_t *info, const char *path)
-{
-    int64_t run_id;
-    int32_t complete, status = STATUS_OK;
-    TRY(h5_attribute_read(writer->file, "/parameters", "run_id", H5T_NATIVE_INT64, &run_id));
-    TRY(h5_attribute_read(writer->file, "/", "complete", H5T_NATIVE_INT32, &complete));
-    if (run_id != info->run_id)
-        return status_fail(STATUS_IO, "%s is of run %lld, not of run %lld", path, (long long)run_id,
-                           (long long)info->run_id);
-    if (complete)
-        TRY(h5_attribute_read(writer->file, "/", "status", H5T_NATIVE_INT32, &status));
-    if (complete && status == STATUS_OK)
-        return status_fail(STATUS_IO, "%s is complete already", path);
-    return STATUS_OK;
-}
-
-static enum status frames_resume(struct run_writer *writer, hsize_t frames)
-{
-    for (int id = 0; id < N_SERIES; id++) {
-        if (writer->facts.frictional || !series_table[id].only_with_friction)
-            TRY(series_start(writer, (enum series_id)id));
-    }
-    TRY(h5_series_cut(&writer->series[SERIES_CONTACT_OFFSET], frames + 1));
-    TRY(h5_series_read(&writer->series[SERIES_CONTACT_OFFSET], frames, 1, &writer->contacts));
-    for (int id = 0; id < N_SERIES; id++) {
-        bool is_contact = series_table[id].shape == PER_CONTACT;
-        if (writer->series[id].id >= 0 && id != SERIES_CONTACT_OFFSET)
-            TRY(h5_series_cut(&writer->series[id], is_contact ? (hsize_t)writer->contacts : frames));
-    }
-    return STATUS_OK;
-}
-
-static enum status contents_resume(struct run_writer *writer, const char *path, const shakedown_run_info_t *info,
-                                   bool walls)
-{
-    TRY(resume_check(writer, info, path));
-    TRY(complete_write(writer->file, 0));
-    TRY(frames_resume(writer, (hsize_t)info->resumed_frames));
-    struct table_options options = samples_options(writer);
-    TRY(table_open(&writer->samples, writer->file, &options, (hsize_t)info->resumed_total[RECORD_SAMPLE], false));
-    TRY(notes_start(writer));
-    TRY(h5_series_cut(&writer->notes, (hsize_t)info->resumed_total[RECORD_NOTE]));
-    if (walls) {
-        options = walls_options(writer, false);
-        TRY(table_open(&writer->wall_states, writer->file, &options, (hsize_t)info->resumed_wall_states, true));
-        options = walls_options(writer, true);
-        TRY(table_open(&writer->wall_commands, writer->file, &options, (hsize_t)info->resumed_wall_states, true));
-    }
-    return h5_file_flush(writer->file); /* the dropped rows are gone before new ones take their room */
-}
-
-enum status run_writer_resume(struct run_writer **result, const char *path, const shakedown_run_info_t *info,
-                              bool walls, struct run_counts *counts)
-{
-    TRY(writer_new(result, info));
-    struct run_writer *writer = *result;
-    writer->resumed = true;
-    TRY(note(writer, h5_file_open(path, &writer->file)));
-    enum status status = note(writer, contents_resume(writer, path, info, walls));
-    if (status == STATUS_FORMAT) /* not the message's fault */
-        status = status_fail(STATUS_IO, "%s cannot be gone on with: %s", path, status_message());
-    if (status == STATUS_OK)
-        *counts = run_writer_counts(writer);
-    return status;
-}
-
-enum status run_writer_frame_times(const struct run_writer *writer, double *time_s)
-{
-    const struct h5_series *series = &writer->series[SERIES_TIME];
-    return h5_series_read(series, 0, series->rows, time_s);
+    TRY(h5_file_create(path, &(*result)->file));
+    return contents_create(*result, info, walls);
 }
 
 static enum status particles_write(struct run_writer *writer, const struct particle_set *set, int32_t *ids)
@@ -407,32 +318,31 @@ static enum status particles_write(struct run_writer *writer, const struct parti
 
 enum status run_writer_particles(struct run_writer *writer, const struct particle_set *set)
 {
+    if (writer->has_particles)
+        return STATUS_OK;
     int32_t *ids = malloc((size_t)writer->facts.n_particles * sizeof *ids);
     if (!ids)
         return status_fail(STATUS_NO_MEMORY, "no memory for %d ids", writer->facts.n_particles);
     writer->radius_max_m = set->radius_max_m;
-    if (writer->resumed) {
-        free(ids);
-        return STATUS_OK;
-    }
-    enum status status = note(writer, particles_write(writer, set, ids));
+    writer->has_particles = true;
+    enum status status = particles_write(writer, set, ids);
     free(ids);
     return status;
 }
 
 enum status run_writer_sample(struct run_writer *writer, const shakedown_sample_t *sample)
 {
-    return note(writer, table_append(writer->samples, sample));
+    return table_append(writer->samples, sample);
 }
 
 enum status run_writer_wall_state(struct run_writer *writer, const shakedown_wall_state_t *state)
 {
-    return note(writer, table_append(writer->wall_states, state));
+    return table_append(writer->wall_states, state);
 }
 
 enum status run_writer_wall_command(struct run_writer *writer, const shakedown_wall_command_t *command)
 {
-    return note(writer, table_append(writer->wall_commands, command));
+    return table_append(writer->wall_commands, command);
 }
 
 /* "stage;severity;text"; a semicolon in the name of a stage becomes a comma. */
@@ -444,7 +354,7 @@ enum status run_writer_note(struct run_writer *writer, const shakedown_note_t *m
     for (char *sign = strchr(stage, ';'); sign; sign = strchr(sign, ';'))
         *sign = ',';
     snprintf(text, sizeof text, "%.200s;%s;%s", stage, severities[message->severity], message->text);
-    return note(writer, h5_series_append(&writer->notes, 1, text));
+    return h5_series_append(&writer->notes, 1, text);
 }
 
 /* One row to each series; data NULL: that series is not in this run. Ends at N_SERIES. */
@@ -484,7 +394,7 @@ enum status run_writer_particle_frame(struct run_writer *writer, const struct pa
                                {SERIES_TIME, &frame->place.time_s},
                                {SERIES_STEP, &frame->place.step},
                                {N_SERIES, NULL}};
-    return note(writer, rows_append(writer, rows, 1));
+    return rows_append(writer, rows, 1);
 }
 
 enum status run_writer_contact_frame(struct run_writer *writer, const struct contact_frame *frame)
@@ -501,8 +411,8 @@ enum status run_writer_contact_frame(struct run_writer *writer, const struct con
                                 {SERIES_CONTACT_STEP, &frame->place.step},
                                 {SERIES_CONTACT_OFFSET, &offset},
                                 {N_SERIES, NULL}};
-    TRY(note(writer, rows_append(writer, contacts, (hsize_t)frame->count)));
-    TRY(note(writer, rows_append(writer, place, 1)));
+    TRY(rows_append(writer, contacts, (hsize_t)frame->count));
+    TRY(rows_append(writer, place, 1));
     writer->contacts = offset;
     return STATUS_OK;
 }
@@ -519,18 +429,7 @@ static enum status tables_flush(struct run_writer *writer, bool last)
 
 enum status run_writer_flush(struct run_writer *writer)
 {
-    return note(writer, tables_flush(writer, false));
-}
-
-static enum status tables_sync(struct run_writer *writer)
-{
-    TRY(tables_flush(writer, false));
-    return h5_file_sync(writer->file);
-}
-
-enum status run_writer_sync(struct run_writer *writer)
-{
-    return note(writer, tables_sync(writer));
+    return tables_flush(writer, false);
 }
 
 static enum status end_write(hid_t file, const shakedown_end_t *end)
@@ -555,12 +454,7 @@ static enum status end_write(hid_t file, const shakedown_end_t *end)
 
 enum status run_writer_end(struct run_writer *writer, const shakedown_end_t *end)
 {
-    return writer->failed ? STATUS_OK : note(writer, end_write(writer->file, end));
-}
-
-bool run_writer_has_failed(const struct run_writer *writer)
-{
-    return writer->failed;
+    return end_write(writer->file, end);
 }
 
 struct run_counts run_writer_counts(const struct run_writer *writer)
@@ -570,16 +464,6 @@ struct run_counts run_writer_counts(const struct run_writer *writer)
                                .contact_frames = (int64_t)writer->series[SERIES_CONTACT_STEP].rows,
                                .wall_states = writer->wall_states ? table_rows(writer->wall_states) : 0,
                                .wall_commands = writer->wall_commands ? table_rows(writer->wall_commands) : 0};
-}
-
-/* Everything on disk first, `complete` after it. */
-static enum status finish(struct run_writer *writer, bool complete)
-{
-    TRY(tables_flush(writer, true));
-    if (!complete)
-        return STATUS_OK;
-    TRY(complete_write(writer->file, 1));
-    return h5_file_flush(writer->file);
 }
 
 static enum status all_close(struct run_writer *writer)
@@ -595,16 +479,34 @@ static enum status all_close(struct run_writer *writer)
     return h5_file_close(writer->file);
 }
 
-enum status run_writer_close(struct run_writer *writer, bool complete)
+static void writer_free(struct run_writer *writer)
 {
-    if (!writer)
-        return STATUS_OK;
-    enum status status = writer->failed ? STATUS_IO : finish(writer, complete); /* the message of the failure stays */
-    if (status == STATUS_OK)
-        status = all_close(writer);
     table_free(writer->samples);
     table_free(writer->wall_states);
     table_free(writer->wall_commands);
     free(writer);
+}
+
+enum status run_writer_close(struct run_writer *writer, bool complete)
+{
+    if (!writer)
+        return STATUS_OK;
+    enum status status = tables_flush(writer, true);
+    if (status == STATUS_OK && complete)
+        status = complete_write(writer->file, 1);
+    if (status != STATUS_OK) {
+        run_writer_abandon(writer);
+        return status;
+    }
+    status = all_close(writer);
+    writer_free(writer);
     return status;
+}
+
+void run_writer_abandon(struct run_writer *writer)
+{
+    if (!writer)
+        return;
+    h5_file_abandon(writer->file);
+    writer_free(writer);
 }

@@ -42,8 +42,8 @@ static hsize_t values_per_row(enum field_width width, int dimension)
     return values[width];
 }
 
-static enum status column_start(struct column *column, hid_t file, const struct table_options *options,
-                                const struct field *field, bool create)
+static enum status column_create(struct column *column, hid_t file, const struct table_options *options,
+                                 const struct field *field)
 {
     char path[TABLE_PATH_MAX];
     hsize_t values = values_per_row(field->width, options->dimension);
@@ -55,12 +55,10 @@ static enum status column_start(struct column *column, hid_t file, const struct 
     options->path(field->name, path);
     struct h5_layout layout = {.chunk = {options->block, values}, .deflate = options->deflate};
     int rank = field->width == WIDTH_ONE ? 1 : 2;
-    if (!create)
-        return h5_series_open(file, path, memory_type(field->type), rank, &values, &column->series);
     return h5_series_create(file, path, memory_type(field->type), rank, &values, &layout, field->unit, &column->series);
 }
 
-static enum status table_start(struct table **result, hid_t file, const struct table_options *options, bool create)
+enum status table_create(struct table **result, hid_t file, const struct table_options *options)
 {
     size_t n = 0;
     while (options->fields[n].name)
@@ -78,38 +76,8 @@ static enum status table_start(struct table **result, hid_t file, const struct t
     table->block = options->block;
     table->whole_blocks = options->deflate > 0;
     for (size_t c = 0; c < n; c++)
-        TRY(column_start(&columns[c], file, options, &options->fields[c], create));
+        TRY(column_create(&columns[c], file, options, &options->fields[c]));
     return STATUS_OK;
-}
-
-enum status table_create(struct table **table, hid_t file, const struct table_options *options)
-{
-    return table_start(table, file, options, true);
-}
-
-/* A compressed block that is not full is taken back into memory, as it is written whole. The file keeps it until then.
- */
-static enum status cut(struct table *table, hsize_t rows)
-{
-    table->waiting = table->whole_blocks ? rows % table->block : 0;
-    table->written = rows - table->waiting;
-    for (size_t c = 0; c < table->n_columns; c++) {
-        struct h5_series *series = &table->columns[c].series;
-        TRY(h5_series_cut(series, rows));
-        TRY(h5_series_read(series, table->written, table->waiting, table->columns[c].buffer));
-        series->rows = table->written;
-    }
-    return STATUS_OK;
-}
-
-enum status table_open(struct table **result, hid_t file, const struct table_options *options, hsize_t rows,
-                       bool lenient)
-{
-    TRY(table_start(result, file, options, false));
-    struct table *table = *result;
-    for (size_t c = 0; lenient && c < table->n_columns; c++)
-        rows = table->columns[c].series.rows < rows ? table->columns[c].series.rows : rows;
-    return cut(table, rows);
 }
 
 static enum status write_waiting(struct table *table)

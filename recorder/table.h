@@ -21,16 +21,11 @@ struct table_options {
 /* Creates the datasets, without rows. */
 enum status table_create(struct table **table, hid_t file, const struct table_options *options) MUST_USE;
 
-/* Opens the datasets that table_create made, to go on after the first `rows` rows, or after the last if there are fewer
- * and `lenient`; the others are dropped. */
-enum status table_open(struct table **table, hid_t file, const struct table_options *options, hsize_t rows,
-                       bool lenient) MUST_USE;
-
 /* Takes one message (the generated struct, with arrays as wide as the fields say); writes a block when it is full. */
 enum status table_append(struct table *table, const void *message) MUST_USE;
 
-/* Writes what waits. A compressed table writes whole blocks only, unless `last`: a chunk that is compressed again moves
- * in the file, and a process killed before the next flush would leave a hole where it was. */
+/* Writes what waits. A compressed table writes whole blocks only, unless `last`: a block that is compressed again may
+ * not fit where it was. */
 enum status table_flush(struct table *table, bool last) MUST_USE;
 
 /* Rows taken, written or waiting. */

@@ -1,9 +1,12 @@
 #include "recorder/xdmf.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "recorder/files.h"
 
 #define TRAJECTORY "run.h5:/particles/trajectory/"
 
@@ -79,9 +82,12 @@ static void print_frame(FILE *out, const struct xdmf *xdmf, const struct run_fac
 
 enum status xdmf_write(const struct xdmf *xdmf, const struct run_facts *facts, const char *path)
 {
-    FILE *out = fopen(path, "w");
+    char new_path[PATH_MAX];
+    if (snprintf(new_path, sizeof new_path, "%s.new", path) >= (int)sizeof new_path)
+        return status_fail(STATUS_IO, "the path %s is too long", path);
+    FILE *out = fopen(new_path, "w");
     if (!out)
-        return status_fail(STATUS_IO, "cannot create %s: %s", path, strerror(errno));
+        return status_fail(STATUS_IO, "cannot create %s: %s", new_path, strerror(errno));
     fprintf(out, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
                  "    <Grid Name=\"trajectory\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
     for (size_t frame = 0; frame < xdmf->n_frames; frame++)
@@ -89,5 +95,6 @@ enum status xdmf_write(const struct xdmf *xdmf, const struct run_facts *facts, c
     fprintf(out, "    </Grid>\n  </Domain>\n</Xdmf>\n");
     bool failed = ferror(out) != 0;
     failed |= fclose(out) != 0;
-    return failed ? status_fail(STATUS_IO, "cannot write %s: %s", path, strerror(errno)) : STATUS_OK;
+    return failed ? status_fail(STATUS_IO, "cannot write %s: %s", new_path, strerror(errno))
+                  : file_into_place(new_path, path);
 }

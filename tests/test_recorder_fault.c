@@ -7,11 +7,12 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cmocka.h>
 
-#include "recorder/recording.h"
+#include "recorder/convert.h"
 #include "test_recorder_read.h"
 #include "test_recorder_synthetic.h"
 
@@ -29,8 +30,11 @@ static void record_and_die(const struct synthetic_run *run, const char *director
         const struct synthetic_message *message = &run->messages[k];
         if (recording_take(recording, message->kind, message->data, message->size, &answer) != STATUS_OK)
             _exit(1);
-        if (k + 1 == flush_at && recording_flush(recording) != STATUS_OK)
+        if (k + 1 != flush_at)
+            continue;
+        if (recording_secure(recording) != STATUS_OK)
             _exit(1);
+        recording_publish(recording);
     }
     (void)raise(SIGKILL);
 }
@@ -71,6 +75,87 @@ static void check_after_kill(const struct synthetic_run *run, const char *direct
     assert_true(H5Fclose(file) >= 0);
 }
 
+/* Whether there is no run.h5 (no room for RUN_INFO), or one that opens as an earlier flush left it. */
+static bool is_absent_or_opens(const char *directory)
+{
+    char path[80];
+    snprintf(path, sizeof path, "%s/run.h5", directory);
+    if (access(path, F_OK) != 0)
+        return true;
+    hid_t run = read_open(directory);
+    assert_true(read_attribute(run, "/", "complete") == 0.0);
+    return H5Fclose(run) >= 0;
+}
+
+/* From the log comes at least what was secured, and run.h5 is that of it. */
+static void check_repair(const struct synthetic_run *run, const char *directory, size_t secured)
+{
+    struct run_counts counts;
+    char log[80];
+    snprintf(log, sizeof log, "%s/run.lcm", directory);
+    assert_int_equal(convert_into(log, directory, &counts), STATUS_INCOMPLETE);
+    assert_true(counts.wall_states >= messages_before(run, MESSAGE_WALL_STATE, secured));
+    check_after_kill(run, directory, secured);
+}
+
+/* In a child: takes messages again and again, with all that goes with it, until it is killed. */
+static void record_until_killed(const struct synthetic_run *run, const char *directory)
+{
+    struct recording *recording;
+    enum recording_answer answer;
+    const struct recording_options options = {.directory = directory, .run_id = run->options.run_id};
+    if (recording_create(&recording, &options) != STATUS_OK)
+        _exit(1);
+    for (size_t k = 0; k + 1 < run->count; k++) {
+        const struct synthetic_message *message = &run->messages[k];
+        if (recording_take(recording, message->kind, message->data, message->size, &answer) != STATUS_OK ||
+            recording_secure(recording) != STATUS_OK)
+            _exit(1);
+        if (k % 40 == 1)
+            recording_publish(recording);
+    }
+    (void)raise(SIGKILL);
+}
+
+/* Killed by the clock, so in the middle of writing, copying, renaming: run.h5 opens, if it is there yet, and the log
+ * gives all that is whole in it. */
+static void test_kill_at_any_time(void **state)
+{
+    struct synthetic_run run;
+    struct synthetic_options options = synthetic_default;
+    int there = 0;
+    uint64_t random = 3;
+    (void)state;
+    options.walls = true;
+    options.n_frames = 20;
+    options.n_samples = 600;
+    options.n_wall_states = 600;
+    synthetic_create(&run, &options);
+    for (int round = 0; round < 40; round++) {
+        char directory[64], path[80];
+        int status;
+        synthetic_directory(directory);
+        snprintf(path, sizeof path, "%s/run.lcm", directory);
+        pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0)
+            record_until_killed(&run, directory);
+        struct timespec while_it_writes = {.tv_nsec = (long)(synthetic_random(&random) % 100000000)};
+        (void)nanosleep(&while_it_writes, NULL);
+        assert_int_equal(kill(child, SIGKILL), 0);
+        assert_int_equal(waitpid(child, &status, 0), child);
+        assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+        there += is_absent_or_opens(directory);
+        struct run_counts counts;
+        if (access(path, F_OK) == 0)
+            assert_int_equal(convert_into(path, directory, &counts), STATUS_INCOMPLETE);
+        there += is_absent_or_opens(directory);
+        synthetic_directory_remove(directory);
+    }
+    assert_int_equal(there, 80);
+    synthetic_free(&run);
+}
+
 static void test_kill(void **state)
 {
     struct synthetic_run run;
@@ -93,6 +178,7 @@ static void test_kill(void **state)
         assert_int_equal(waitpid(child, &status, 0), child);
         assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
         check_after_kill(&run, directory, flush_at);
+        check_repair(&run, directory, flush_at);
         synthetic_directory_remove(directory);
     }
     synthetic_free(&run);
@@ -102,6 +188,7 @@ static void write_log(const struct synthetic_run *run, const char *path)
 {
     struct bus bus;
     char url[128];
+    (void)remove(path); /* absent the first time */
     snprintf(url, sizeof url, "file://%s?mode=w", path);
     assert_int_equal(bus_open(&bus, url), STATUS_OK);
     for (size_t k = 0; k < run->count; k++) {
@@ -121,18 +208,6 @@ static int shell(const char *command, char *errors, size_t size)
     errors[used] = '\0';
     int status = pclose(pipe);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-/* Whether there is no run.h5 (no room for RUN_INFO), or one that opens as an earlier flush left it. */
-static bool is_absent_or_opens(const char *directory)
-{
-    char path[80];
-    snprintf(path, sizeof path, "%s/run.h5", directory);
-    if (access(path, F_OK) != 0)
-        return true;
-    hid_t run = read_open(directory);
-    assert_true(read_attribute(run, "/", "complete") == 0.0);
-    return H5Fclose(run) >= 0;
 }
 
 /* Conversion into less and less room: the exit code of failed output and a reason, whatever was being written. */
@@ -203,6 +278,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_kill),
+        cmocka_unit_test(test_kill_at_any_time),
         cmocka_unit_test(test_file_size_limit),
         cmocka_unit_test(test_full_disk),
     };

@@ -17,6 +17,7 @@ static void write_log(const struct synthetic_run *run, const char *path)
 {
     struct bus bus;
     char url[128];
+    (void)remove(path); /* absent the first time */
     snprintf(url, sizeof url, "file://%s?mode=w", path);
     assert_int_equal(bus_open(&bus, url), STATUS_OK);
     for (size_t k = 0; k < run->count; k++) {
@@ -137,7 +138,7 @@ static void overwrite(const char *path, long at, const void *bytes, size_t size)
     assert_int_equal(fclose(file), 0);
 }
 
-/* Random damage: never a crash, never complete with something missing. */
+/* Random damage: never a crash, never complete. */
 static void test_damaged_log(void **state)
 {
     struct bench bench;
@@ -152,12 +153,7 @@ static void test_damaged_log(void **state)
         write_log(&bench.run, bench.log);
         overwrite(bench.log, (long)(synthetic_random(&random) % (uint64_t)(size - 24)), junk, sizeof junk);
         enum status status = convert(bench.log, bench.directory);
-        assert_true(status == STATUS_OK || status == STATUS_INCOMPLETE);
-        if (status == STATUS_OK) {
-            hid_t file = read_open(bench.directory);
-            assert_int_equal(read_rows(file, "/observables/strain/value"), synthetic_default.n_samples);
-            assert_true(H5Fclose(file) >= 0);
-        }
+        assert_int_equal(status, STATUS_INCOMPLETE); /* the checksums see every change */
         remove_run(&bench);
     }
     bench_close(&bench);

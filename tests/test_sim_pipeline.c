@@ -387,8 +387,8 @@ static void what_the_recorder_alone_has_lost_comes_again(void **state)
     struct live live = {.relay = &relay};
     (void)state;
     run_with(&live, "lossy", every_step);
-    assert_int_equal(relay.lost, 2 * (2500 / LOSE_EVERY + 1)); /* of 2501 exchanges */
-    assert_true(end_of("lossy").records_repeated >= relay.lost);
+    assert_int_equal(relay.lost, 2 * (2500 / LOSE_EVERY + 1));       /* of 2501 exchanges */
+    assert_true(end_of("lossy").records_repeated >= relay.lost - 2); /* END is made before the last two come again */
     same_run("one", "lossy");
     expect_replay(sim_path, "lossy", "run.lcm", every_step, 0, "2501 wall states equal, 2501 commands");
 }

@@ -380,6 +380,7 @@ static void log_write(const struct bench *b, enum damage damage)
     struct wall_state state = first_state();
     struct bench follower = {.scene = b->scene};
     struct bus log;
+    (void)remove(b->log_path); /* of a case before */
     snprintf(url, sizeof url, "file://%s?mode=w", b->log_path);
     must(bus_open(&log, url));
     for (int k = 0; k == 0 || step_on(&follower, &state); k++) {

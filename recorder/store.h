@@ -1,0 +1,58 @@
+/* The files of a run. The log (run.lcm) is the record: appended to, brought to disk when the sender asks. run.h5 is
+ * made from the same messages in run.h5.part; what a reader sees is a copy that is put in its place whole, so that
+ * whenever this process is killed run.h5 may be old, but never unreadable, and can be made again from the log. */
+#ifndef SHAKEDOWN_RECORDER_STORE_H
+#define SHAKEDOWN_RECORDER_STORE_H
+
+#include "common/event_log.h"
+#include "recorder/run_writer.h"
+
+struct store;
+
+struct store_options {
+    const char *directory; /* made if it is not there, and locked */
+    bool log;              /* write a log; else the messages come from one */
+    bool replace;          /* run.h5 may be there already: it is replaced at the end */
+};
+
+/* STATUS_IO if the folder cannot be written, is another recorder's, or holds a run already. */
+enum status store_create(struct store **store, const struct store_options *options) MUST_USE;
+
+/* Creates the files of a run; keep_log: the log stays also when run.h5 is complete. */
+enum status store_begin(struct store *store, const shakedown_run_info_t *info, bool walls, bool keep_log) MUST_USE;
+
+/* Goes on with the log of an earlier recorder from byte `size`, after its messages were taken again. */
+enum status store_continue(struct store *store, int64_t size) MUST_USE;
+
+/* Each goes into run.h5 to be. If that cannot be written, as the disk is full, a store with a log does without it, says
+ * so, and makes it from the log at the end. */
+enum status store_particles(struct store *store, const struct particle_set *set) MUST_USE;
+enum status store_sample(struct store *store, const shakedown_sample_t *sample) MUST_USE;
+enum status store_note(struct store *store, const shakedown_note_t *note) MUST_USE;
+enum status store_particle_frame(struct store *store, const struct particle_frame *frame) MUST_USE;
+enum status store_contact_frame(struct store *store, const struct contact_frame *frame) MUST_USE;
+enum status store_wall_state(struct store *store, const shakedown_wall_state_t *state) MUST_USE;
+enum status store_wall_command(struct store *store, const shakedown_wall_command_t *command) MUST_USE;
+
+/* Appends a message to the log, if there is one. */
+enum status store_log(struct store *store, int kind, const void *data, size_t size) MUST_USE;
+
+/* Hands the log to the system, or brings it to disk. STATUS_IO with store_log_is_full: try again later. */
+enum status store_secure(struct store *store, bool sync) MUST_USE;
+bool store_log_is_full(const struct store *store);
+
+/* Puts what is there so far in the place of run.h5 and run.xdmf. Failing at it is no failure of the run. */
+void store_publish(struct store *store);
+
+/* Writes what is left, and END if it came; run.h5 and run.xdmf in their places and on disk. */
+enum status store_finish(struct store *store, const shakedown_end_t *end, bool complete) MUST_USE;
+
+/* What run.h5 holds, after store_finish. */
+struct run_counts store_counts(const struct store *store);
+const char *store_path(const struct store *store);     /* of run.h5 */
+const char *store_log_path(const struct store *store); /* of run.lcm */
+
+/* Closes what is open, and unlocks the folder. NULL is nothing. */
+void store_free(struct store *store);
+
+#endif
