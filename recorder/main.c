@@ -11,9 +11,12 @@
 
 static const char USAGE[] =
     "usage: recorder --run-id N --out DIR [--lcm URL] [--timeout SECONDS]   records a run from the bus\n"
-    "       recorder --from run.lcm --out DIR                               converts an LCM event log\n"
-    "  --resume  goes on with DIR/run.h5 of a run that goes on from a checkpoint\n"
-    "Writes DIR/run.h5 (H5MD 1.1) and DIR/run.xdmf, and DIR/run.lcm if the scene says record.event_log.\n"
+    "       recorder --from run.lcm --out DIR [--replace]                   makes run.h5 from a log\n"
+    "  --resume   goes on with DIR/run.lcm of a run that goes on from a checkpoint\n"
+    "  --replace  DIR/run.h5 may be there already\n"
+    "Writes DIR/run.lcm (the log), DIR/run.h5 (H5MD 1.1) and DIR/run.xdmf. The log of a run that went well is "
+    "removed,\n"
+    "unless its scene says record.event_log.\n"
     "Ends when the run is complete, on SIGINT or SIGTERM (10 s of patience for END, none after a second signal), "
     "after\n"
     "SECONDS (default: no limit) without a message of the run, or when who started it has ended and nothing of the "
@@ -23,7 +26,7 @@ static const char USAGE[] =
 struct arguments {
     struct command_line line;
     const char *out, *from, *timeout;
-    bool resume;
+    bool resume, replace;
     double timeout_s;
 };
 
@@ -42,11 +45,10 @@ static enum status timeout_read(struct arguments *arguments)
 
 static enum status arguments_read(struct arguments *arguments, int argc, char **argv)
 {
-    const struct command_line_option own[] = {{"out", &arguments->out, NULL},
-                                              {"from", &arguments->from, NULL},
-                                              {"timeout", &arguments->timeout, NULL},
-                                              {"resume", NULL, &arguments->resume},
-                                              {NULL, NULL, NULL}};
+    const struct command_line_option own[] = {
+        {"out", &arguments->out, NULL},         {"from", &arguments->from, NULL},
+        {"timeout", &arguments->timeout, NULL}, {"resume", NULL, &arguments->resume},
+        {"replace", NULL, &arguments->replace}, {NULL, NULL, NULL}};
     struct command_line *line = &arguments->line;
     TRY(command_line_parse(line, argc, argv, own));
     if (line->help || line->version)
@@ -82,7 +84,9 @@ static enum status record(const struct arguments *arguments)
                                               .any_run = !arguments->line.run_id_given,
                                               .run_id = arguments->line.run_id,
                                               .from_log = arguments->from != NULL,
-                                              .resume = arguments->resume};
+                                              .replace = arguments->replace && arguments->from,
+                                              .resume = arguments->resume,
+                                              .remake = convert_into};
     struct recording *recording;
     enum status status = recording_create(&recording, &options);
     if (status == STATUS_OK)

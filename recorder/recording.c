@@ -13,7 +13,6 @@
 #include "common/scene_file.h"
 #include "recorder/backlog.h"
 #include "recorder/early.h"
-#include "recorder/store.h"
 #include "recorder/wall_order.h"
 
 enum { WARNINGS_MAX = 5 };
@@ -53,8 +52,10 @@ enum status recording_create(struct recording **result, const struct recording_o
     recording->run_id = options->run_id;
     recording->from_log = options->from_log;
     recording->resume = options->resume;
-    const struct store_options store = {
-        .directory = options->directory, .log = !options->from_log, .replace = options->resume || options->replace};
+    const struct store_options store = {.directory = options->directory,
+                                        .log = !options->from_log,
+                                        .replace = options->resume || options->replace,
+                                        .remake = options->remake};
     return store_create(&recording->store, &store);
 }
 

@@ -5,7 +5,7 @@
 
 #include "common/message.h"
 #include "recorder/early.h"
-#include "recorder/run_writer.h"
+#include "recorder/store.h"
 
 struct recording;
 
@@ -13,9 +13,10 @@ struct recording_options {
     const char *directory; /* made if it is not there */
     bool any_run;          /* take the run of the first RUN_INFO; else: */
     int64_t run_id;
-    bool from_log; /* no log is written */
-    bool replace;  /* run.h5 may be there already: it is replaced at the end */
-    bool resume;   /* a run that goes on from a checkpoint, as its RUN_INFO says */
+    bool from_log;       /* no log is written */
+    bool replace;        /* run.h5 may be there already: it is replaced at the end */
+    bool resume;         /* a run that goes on from a checkpoint, as its RUN_INFO says */
+    store_remake remake; /* convert_into, unless from_log */
 };
 
 /* What was dropped. */

@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "recorder/convert.h"
 #include "recorder/files.h"
 #include "recorder/folder_lock.h"
 #include "recorder/xdmf.h"
@@ -17,6 +16,7 @@ struct store {
     char path[PATH_MAX], part_path[PATH_MAX], log_path[PATH_MAX], xdmf_path[PATH_MAX];
     int lock;
     bool has_log, keep_log, replace;
+    store_remake remake;
     struct run_facts facts;
     struct run_writer *writer; /* NULL: not begun, or given up as the disk was full */
     bool begun;
@@ -63,6 +63,7 @@ enum status store_create(struct store **result, const struct store_options *opti
     store->lock = -1;
     store->has_log = options->log;
     store->replace = options->replace;
+    store->remake = options->remake;
     TRY(make_path(store->directory, options->directory, ""));
     TRY(make_path(store->path, options->directory, "run.h5"));
     TRY(make_path(store->part_path, options->directory, "run.h5.part"));
@@ -205,7 +206,9 @@ static enum status make_from_log(struct store *store)
 {
     folder_unlock(store->lock);
     store->lock = -1;
-    return convert_into(store->log_path, store->directory, &store->counts);
+    if (!store->remake)
+        return status_fail(STATUS_IO, "%s is not made; %s is whole", store->path, store->log_path);
+    return store->remake(store->log_path, store->directory, &store->counts);
 }
 
 static void keep(enum status *first, enum status status)
@@ -224,15 +227,10 @@ enum status store_finish(struct store *store, const shakedown_end_t *end, bool c
     keep(&status, event_writer_close(store->log));
     store->log = NULL;
     const bool whole = complete && status == STATUS_OK; /* the log first */
-    bool made = false;
-    if (store->writer) {
-        enum status part = part_finish(store, end, whole);
-        made = part == STATUS_OK;
-        if (!made && (part != STATUS_IO || !store->has_log))
-            keep(&status, part);
-    }
-    if (store->has_log && !made)
-        keep(&status, make_from_log(store));
+    enum status made = store->writer ? part_finish(store, end, whole) : STATUS_IO;
+    if (made == STATUS_IO && store->has_log)
+        made = make_from_log(store);
+    keep(&status, made);
     if (status == STATUS_OK && whole && end->status == STATUS_OK && store->has_log && !store->keep_log)
         (void)unlink(store->log_path); /* all of it is in run.h5, on disk */
     folder_unlock(store->lock);

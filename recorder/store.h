@@ -9,10 +9,14 @@
 
 struct store;
 
+/* Makes run.h5 in `directory` from the log (convert_into). */
+typedef enum status (*store_remake)(const char *log_path, const char *directory, struct run_counts *counts);
+
 struct store_options {
     const char *directory; /* made if it is not there, and locked */
     bool log;              /* write a log; else the messages come from one */
     bool replace;          /* run.h5 may be there already: it is replaced at the end */
+    store_remake remake;   /* wanted by a store with a log */
 };
 
 /* STATUS_IO if the folder cannot be written, is another recorder's, or holds a run already. */

@@ -22,6 +22,11 @@ add_test(NAME recorder_live COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/in_namespace.sh 
                                     $<TARGET_FILE:recorder>)
 set_tests_properties(recorder_live PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 125)
 
+add_test(NAME recorder_full
+         COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/in_namespace.sh ${CMAKE_CURRENT_SOURCE_DIR}/test_recorder_full.sh
+                 $<TARGET_FILE:sim> $<TARGET_FILE:wallctl> $<TARGET_FILE:recorder> ${PROJECT_SOURCE_DIR}/scenes/quick.cfg)
+set_tests_properties(recorder_full PROPERTIES LABELS fault TIMEOUT 120 SKIP_RETURN_CODE 125)
+
 foreach(name recorder_fault recorder_live)
   set_property(TEST ${name} PROPERTY ENVIRONMENT
                "LSAN_OPTIONS=print_suppressions=0:suppressions=${CMAKE_CURRENT_SOURCE_DIR}/recorder_leaks.supp")

@@ -11,7 +11,7 @@
 
 #include "common/coupling.h"
 #include "common/message.h"
-#include "recorder/recording.h"
+#include "recorder/convert.h"
 #include "test_recorder_read.h"
 #include "test_recorder_synthetic.h"
 
@@ -26,7 +26,8 @@ static void bench_open(struct bench *bench, const struct synthetic_options *opti
 {
     synthetic_directory(bench->directory);
     synthetic_create(&bench->run, options);
-    const struct recording_options recording = {.directory = bench->directory, .run_id = options->run_id};
+    const struct recording_options recording = {
+        .directory = bench->directory, .run_id = options->run_id, .remake = convert_into};
     assert_int_equal(recording_create(&bench->recording, &recording), STATUS_OK);
 }
 
@@ -628,7 +629,7 @@ static void test_refuses_to_overwrite(void **state)
     bench_open(&bench, &synthetic_default);
     give_all(&bench);
     finish_complete(&bench);
-    const struct recording_options options = {.directory = bench.directory, .run_id = 1};
+    const struct recording_options options = {.directory = bench.directory, .run_id = 1, .remake = convert_into};
     assert_int_equal(recording_create(&second, &options), STATUS_IO);
     assert_non_null(strstr(status_message(), "never overwritten"));
     recording_free(second);
@@ -643,7 +644,7 @@ static void test_one_recorder_per_folder(void **state)
     struct recording *second;
     (void)state;
     bench_open(&bench, &synthetic_default);
-    const struct recording_options options = {.directory = bench.directory, .run_id = 1};
+    const struct recording_options options = {.directory = bench.directory, .run_id = 1, .remake = convert_into};
     assert_int_equal(recording_create(&second, &options), STATUS_IO);
     assert_non_null(strstr(status_message(), "another recorder"));
     recording_free(second);

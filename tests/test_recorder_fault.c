@@ -23,7 +23,8 @@ static void record_and_die(const struct synthetic_run *run, const char *director
 {
     struct recording *recording;
     enum recording_answer answer;
-    const struct recording_options options = {.directory = directory, .run_id = run->options.run_id};
+    const struct recording_options options = {
+        .directory = directory, .run_id = run->options.run_id, .remake = convert_into};
     if (recording_create(&recording, &options) != STATUS_OK)
         _exit(1);
     for (size_t k = 0; k < kill_at; k++) {
@@ -103,7 +104,8 @@ static void record_until_killed(const struct synthetic_run *run, const char *dir
 {
     struct recording *recording;
     enum recording_answer answer;
-    const struct recording_options options = {.directory = directory, .run_id = run->options.run_id};
+    const struct recording_options options = {
+        .directory = directory, .run_id = run->options.run_id, .remake = convert_into};
     if (recording_create(&recording, &options) != STATUS_OK)
         _exit(1);
     for (size_t k = 0; k + 1 < run->count; k++) {

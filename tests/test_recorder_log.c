@@ -202,7 +202,8 @@ static void test_event_log(void **state)
     options.n_wall_states = 100;
     bench_open(&bench, &options);
     bench_open(&again, &synthetic_default);
-    const struct recording_options live = {.directory = bench.directory, .run_id = options.run_id};
+    const struct recording_options live = {
+        .directory = bench.directory, .run_id = options.run_id, .remake = convert_into};
     assert_int_equal(recording_create(&recording, &live), STATUS_OK);
     for (size_t k = 0; k < bench.run.count; k++) {
         const struct synthetic_message *message = &bench.run.messages[k];
