@@ -78,8 +78,8 @@ void config_defaults(const struct key *table, void *target)
             config_defaults(key->group, value);
             continue;
         }
-        if (key->type == KEY_FLOATS) {
-            memset(value, 0, sizeof(struct config_floats));
+        if (key->type == KEY_FLOATS || key->type == KEY_BAND) {
+            memset(value, 0, key->type == KEY_BAND ? sizeof(struct config_band) : sizeof(struct config_floats));
             continue;
         }
         const char *preset = key->preset ? key->preset : "";
@@ -150,23 +150,43 @@ static enum status read_int(const config_setting_t *setting, const struct key *k
     return check_range(setting, key, where, (double)*value);
 }
 
-static enum status read_floats(const config_setting_t *setting, const struct key *key, const char *where,
-                               struct config_floats *list)
+/* A list of at most `limit` numbers, or one number. */
+static enum status read_numbers(const config_setting_t *setting, const struct key *key, const char *where, int limit,
+                                int64_t *count, double *value)
 {
     int type = config_setting_type(setting);
+    if (is_number(setting)) {
+        *count = 1;
+        value[0] = number_of(setting);
+        return check_range(setting, key, where, value[0]);
+    }
     if (type != CONFIG_TYPE_ARRAY && type != CONFIG_TYPE_LIST)
         return config_fail(setting, where, "must be a list of numbers: [a, b, ...] or (a, b, ...)");
-    int count = config_setting_length(setting);
-    if (count > CONFIG_FLOATS_MAX)
-        return config_fail(setting, where, "has %d members; allowed: at most %d", count, CONFIG_FLOATS_MAX);
-    list->count = count;
-    for (int k = 0; k < count; k++) {
+    int length = config_setting_length(setting);
+    if (length > limit)
+        return config_fail(setting, where, "has %d members; allowed: at most %d", length, limit);
+    *count = length;
+    for (int k = 0; k < length; k++) {
         const config_setting_t *element = config_setting_get_elem(setting, (unsigned)k);
         if (!is_number(element))
             return config_fail(setting, where, "member %d is not a number", k);
-        list->value[k] = number_of(element);
-        TRY(check_range(element, key, where, list->value[k]));
+        value[k] = number_of(element);
+        TRY(check_range(element, key, where, value[k]));
     }
+    return STATUS_OK;
+}
+
+static enum status read_band(const config_setting_t *setting, const struct key *key, const char *where,
+                             struct config_band *band)
+{
+    TRY(read_numbers(setting, key, where, 2, &band->count, band->value));
+    if (band->count == 1 && band->value[0] == 0)
+        return config_fail(setting, where,
+                           "0 can be reached from either side; allowed: [low, high], or a number that "
+                           "is not 0");
+    if (band->count == 2 && !(band->value[0] < band->value[1]))
+        return config_fail(setting, where, "[%g, %g] is not a band; allowed: [low, high]", band->value[0],
+                           band->value[1]);
     return STATUS_OK;
 }
 
@@ -215,8 +235,12 @@ static enum status read_value(const config_setting_t *setting, const struct key 
         return read_string(setting, where, value);
     case KEY_CHOICE:
         return read_choice(setting, key, where, value);
-    case KEY_FLOATS:
-        return read_floats(setting, key, where, value);
+    case KEY_FLOATS: {
+        struct config_floats *list = value;
+        return read_numbers(setting, key, where, CONFIG_FLOATS_MAX, &list->count, list->value);
+    }
+    case KEY_BAND:
+        return read_band(setting, key, where, value);
     case KEY_GROUP:
         if (!config_setting_is_group(setting))
             return config_fail(setting, where, "must be a group: %s = { ... }", key->name);
@@ -405,45 +429,101 @@ static void print_string(FILE *out, const char *text)
     fputc('"', out);
 }
 
-void config_print(FILE *out, const struct key *table, const void *target, int indent)
+static void print_numbers(FILE *out, int64_t count, const double *value)
+{
+    fprintf(out, "[");
+    for (int64_t k = 0; k < count; k++) {
+        fprintf(out, k ? ", " : "");
+        print_float(out, value[k]);
+    }
+    fprintf(out, "]");
+}
+
+static void print_value(FILE *out, const struct key *key, const void *value)
+{
+    const struct config_floats *list = value;
+    const struct config_band *band = value;
+    switch (key->type) {
+    case KEY_BOOL:
+        fprintf(out, "%s", *(const bool *)value ? "true" : "false");
+        break;
+    case KEY_INT:
+        fprintf(out, "%lldL", (long long)*(const int64_t *)value);
+        break;
+    case KEY_FLOAT:
+        print_float(out, *(const double *)value);
+        break;
+    case KEY_STRING:
+        print_string(out, value);
+        break;
+    case KEY_CHOICE:
+        print_string(out, key->choices[*(const int *)value]);
+        break;
+    case KEY_FLOATS:
+        print_numbers(out, list->count, list->value);
+        break;
+    case KEY_BAND:
+        print_numbers(out, band->count, band->value);
+        break;
+    case KEY_GROUP:
+        break;
+    }
+}
+
+static bool same_values(const struct key *table, const void *a, const void *b);
+
+static bool same_value(const struct key *key, const void *a, const void *b)
+{
+    switch (key->type) {
+    case KEY_BOOL:
+        return *(const bool *)a == *(const bool *)b;
+    case KEY_INT:
+        return *(const int64_t *)a == *(const int64_t *)b;
+    case KEY_FLOAT:
+        return memcmp(a, b, sizeof(double)) == 0;
+    case KEY_STRING:
+        return strcmp(a, b) == 0;
+    case KEY_CHOICE:
+        return *(const int *)a == *(const int *)b;
+    case KEY_FLOATS:
+        return memcmp(a, b, sizeof(struct config_floats)) == 0;
+    case KEY_BAND:
+        return memcmp(a, b, sizeof(struct config_band)) == 0;
+    case KEY_GROUP:
+        return same_values(key->group, a, b);
+    }
+    return false;
+}
+
+static bool same_values(const struct key *table, const void *a, const void *b)
+{
+    for (const struct key *key = table; key->name; key++)
+        if (!same_value(key, field_const(a, key), field_const(b, key)))
+            return false;
+    return true;
+}
+
+void config_print_beside(FILE *out, const struct key *table, const void *target, const void *base, int indent)
 {
     for (const struct key *key = table; key->name; key++) {
-        const void *value = field_const(target, key);
+        const void *value = field_const(target, key), *other = base ? field_const(base, key) : NULL;
+        if (other && same_value(key, value, other))
+            continue;
         fprintf(out, "%*s%s = ", indent, "", key->name);
-        switch (key->type) {
-        case KEY_BOOL:
-            fprintf(out, "%s", *(const bool *)value ? "true" : "false");
-            break;
-        case KEY_INT:
-            fprintf(out, "%lldL", (long long)*(const int64_t *)value);
-            break;
-        case KEY_FLOAT:
-            print_float(out, *(const double *)value);
-            break;
-        case KEY_STRING:
-            print_string(out, value);
-            break;
-        case KEY_CHOICE:
-            print_string(out, key->choices[*(const int *)value]);
-            break;
-        case KEY_FLOATS: {
-            const struct config_floats *list = value;
-            fprintf(out, "[");
-            for (int k = 0; k < list->count; k++) {
-                fprintf(out, k ? ", " : "");
-                print_float(out, list->value[k]);
-            }
-            fprintf(out, "]");
-            break;
-        }
-        case KEY_GROUP:
+        if (key->type == KEY_GROUP) {
             fprintf(out, "{\n");
-            config_print(out, key->group, value, indent + 2);
+            config_print_beside(out, key->group, value, other, indent + 2);
             fprintf(out, "%*s}", indent, "");
-            break;
+        } else {
+            print_value(out, key, value);
         }
         fprintf(out, ";\n");
     }
+}
+
+void config_print(FILE *out, const struct key *table, const void *target, int indent)
+{
+    config_print_beside(out, table, target, NULL, indent);
 }
 
 static void print_allowed(FILE *out, const struct key *key)
@@ -463,6 +543,7 @@ static void print_allowed(FILE *out, const struct key *key)
     default:
         fprintf(out, "%s%s",
                 key->type == KEY_FLOATS ? "list; each "
+                : key->type == KEY_BAND ? "number or [low, high]; "
                 : key->type == KEY_INT  ? "integer; "
                                         : "",
                 range_text(key, text, sizeof text));

@@ -18,7 +18,8 @@ enum key_type {
     KEY_FLOAT,  /* double; integers are taken too */
     KEY_STRING, /* char[CONFIG_STRING_MAX] */
     KEY_CHOICE, /* int, index in `choices` */
-    KEY_FLOATS, /* struct config_floats */
+    KEY_FLOATS, /* struct config_floats; a number is a list of one */
+    KEY_BAND,   /* struct config_band */
     KEY_GROUP,  /* a nested struct with a table of its own */
 };
 
@@ -27,6 +28,13 @@ enum { CONFIG_STRING_MAX = 256, CONFIG_FLOATS_MAX = 64 };
 struct config_floats {
     int64_t count;
     double value[CONFIG_FLOATS_MAX];
+};
+
+/* Where a quantity ends something. Members: 0: nowhere; 1: at a bound, reached from below if it is positive, from above
+ * if it is negative; 2: where it leaves the band between them. */
+struct config_band {
+    int64_t count;
+    double value[2];
 };
 
 struct key {
@@ -67,6 +75,9 @@ enum status config_override(config_t *config, const char *assignment) MUST_USE;
 
 /* Prints `target` in libconfig syntax, every key, numbers with 17 digits. */
 void config_print(FILE *out, const struct key *table, const void *target, int indent);
+
+/* The same for the keys whose values are not those of `base`, a struct of the same table (NULL: every key). */
+void config_print_beside(FILE *out, const struct key *table, const void *target, const void *base, int indent);
 
 /* Prints a Markdown table of the keys; groups recurse with `path` as prefix. */
 void config_print_reference(FILE *out, const struct key *table, const char *path);

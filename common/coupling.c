@@ -10,6 +10,16 @@ static bool wall_count_fits(int n_walls)
     return n_walls == 4 || n_walls == 6;
 }
 
+const char *stage_end_text(int end)
+{
+    static const char *const texts[] = {
+#define STAGE_END_TEXT(name, text) text,
+        STAGE_END_LIST(STAGE_END_TEXT)
+#undef STAGE_END_TEXT
+    };
+    return end >= 0 && (size_t)end < sizeof texts / sizeof texts[0] ? texts[end] : "unknown";
+}
+
 void wall_state_to_message(const struct wall_state *state, int64_t run_id, int64_t seq,
                            struct _shakedown_wall_state_t *message)
 {
@@ -83,6 +93,8 @@ void wall_command_to_message(const struct wall_command *command, int64_t run_id,
                                           .time_s = time_s,
                                           .stage = c->stage,
                                           .finished = c->finished,
+                                          .ended = c->ended,
+                                          .measure = c->measure,
                                           .n_steps = c->n_steps,
                                           .fraction_done = c->fraction_done,
                                           .n_walls = c->n_walls,
@@ -104,6 +116,8 @@ bool wall_command_from_message(const struct _shakedown_wall_command_t *message, 
     *command = (struct wall_command){.step = message->step,
                                      .stage = message->stage,
                                      .finished = message->finished != 0,
+                                     .ended = message->ended,
+                                     .measure = message->measure != 0,
                                      .n_steps = message->n_steps,
                                      .fraction_done = message->fraction_done,
                                      .n_walls = message->n_walls};

@@ -42,12 +42,36 @@ enum wall_drive {
     DRIVE_IMPEDANCE_MIRROR /* the same for a pair of walls with one degree of freedom */
 };
 
+/* Why a stage ended: code, text. */
+#define STAGE_END_LIST(X)                                                                                              \
+    X(NONE, "it goes on")                                                                                              \
+    X(LENGTH, "its length")                                                                                            \
+    X(LIMIT, "its limit in time, with no condition met")                                                               \
+    X(REST, "rest")                                                                                                    \
+    X(STRAIN, "until_strain")                                                                                          \
+    X(STRESS, "until_stress_pa")                                                                                       \
+    X(Q, "until_q_pa")                                                                                                 \
+    X(Q_OVER_P, "until_q_over_p")                                                                                      \
+    X(R_U, "until_r_u")                                                                                                \
+    X(CYCLES, "until_cycles")
+
+enum stage_end {
+#define STAGE_END_ENUM(name, text) STAGE_END_##name,
+    STAGE_END_LIST(STAGE_END_ENUM)
+#undef STAGE_END_ENUM
+};
+
+/* The list's text; "unknown" for any other code. */
+const char *stage_end_text(int end);
+
 /* Motion from `step` over n_steps: x(t) = x + v t + a t^2/2, v(t) = v + a t, or by an impedance. Fields as in
  * wall_command_t.lcm. */
 struct wall_command {
     int64_t step;
     int stage;
     bool finished;
+    int ended;   /* enum stage_end: of the stage before, if `stage` begins here, or the protocol ends */
+    int measure; /* 1: the state at the end of the interval is to carry its energies */
     int n_steps;
     double fraction_done;
     int n_walls;

@@ -1,5 +1,6 @@
 #include "common/scene.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,4 +65,18 @@ const char *scene_law_name(int law)
 #undef CONTACT_LAW_NAME
     };
     return names[law];
+}
+
+double scene_axis_period_s(const struct scene_axis *axis)
+{
+    if (axis->mode == WALL_STRAIN && (axis->course == COURSE_COSINE || axis->course == COURSE_TRIANGLE))
+        return 1 / axis->frequency_hz;
+    const bool stress = axis->mode == WALL_STRESS || (axis->mode == WALL_COUPLED && axis->keep == KEEP_P);
+    return stress && (axis->target == TARGET_COSINE || axis->target == TARGET_TRIANGLE) ? axis->period_s : 0;
+}
+
+double scene_axis_rate_end_s(const struct scene_axis *axis)
+{
+    const double steady_s = axis->strain / axis->rate_per_s; /* of one sign: checked */
+    return steady_s > 0.5 * axis->rise_s ? steady_s + 0.5 * axis->rise_s : sqrt(2 * axis->rise_s * steady_s);
 }

@@ -40,24 +40,44 @@ struct scene_material {
     double gamma_br_kg_per_s; /* of rotation: torque -gamma_br a^2 omega */
 };
 
-enum wall_mode { WALL_FIXED, WALL_STRAIN, WALL_STRESS };
+enum wall_mode { WALL_FIXED, WALL_STRAIN, WALL_STRESS, WALL_COUPLED };
 enum wall_opposite { OPPOSITE_FIXED, OPPOSITE_MIRROR, OPPOSITE_CONSTANT };
-enum wall_target { TARGET_CONSTANT, TARGET_RAMP, TARGET_COSINE };
+enum wall_course { COURSE_SMOOTH, COURSE_RATE, COURSE_COSINE, COURSE_TRIANGLE, COURSE_TABLE };
+enum wall_target { TARGET_CONSTANT, TARGET_RAMP, TARGET_COSINE, TARGET_TRIANGLE, TARGET_TABLE };
+enum wall_keep { KEEP_VOLUME, KEEP_P, KEEP_B, KEEP_PATH };
 
 /* One axis: the wall at its upper end, and what the lower one does. */
 struct scene_axis {
-    int mode;               /* enum wall_mode */
-    int opposite;           /* enum wall_opposite */
-    double strain;          /* strain control [LH eq. 1.1]: final strain, z_f = z_0 (1 - strain) */
-    double frequency_hz;    /* f = omega / 2 pi; the motion takes 1/(2f) */
-    int target;             /* stress control [LH eq. 1.2]: enum wall_target */
+    int mode;     /* enum wall_mode */
+    int opposite; /* enum wall_opposite */
+    /* Strain control: the strain e(t) since the start of the stage, z = z_0 (1 - e). */
+    int course;          /* enum wall_course; smooth: [LH eq. 1.1] */
+    double strain;       /* at the end; amplitude of cycles */
+    double frequency_hz; /* f = omega / 2 pi; a smooth course takes 1/(2f) */
+    double rate_per_s;   /* course "rate" */
+    double rise_s;       /* in which it rises to that rate */
+    double strain_growth;
+    /* Stress control, and pressures that are kept. */
+    int target;             /* [LH eq. 1.2]: enum wall_target */
     double pressure_pa;     /* constant; start of a ramp; p0 of cycles */
     double pressure_end_pa; /* end of a ramp */
     double ramp_s;
     double amplitude_pa; /* delta sigma: p0 + (amplitude/2) (1 - cos 2 pi t / period) */
+    double amplitude_growth_pa;
     double period_s;
+    /* Cycles of strain or stress. */
+    bool two_way;          /* to both sides of where they start */
+    int64_t growth_cycles; /* cycles of one amplitude */
+    /* Tables: straight lines between their points. */
+    struct config_floats times_s, strains, pressures_pa;
     double mass_kg;
     double damping_kg_per_s;
+    /* Coupled: what the axis follows the others for. */
+    int keep;     /* enum wall_keep */
+    double b;     /* KEEP_B: (sigma_yy - sigma_xx)/(sigma_zz - sigma_xx) */
+    double dq_dp; /* KEEP_PATH: q - deviator_pa = dq_dp (p - pressure_pa) */
+    double deviator_pa;
+    struct config_band until_strain, until_stress_pa; /* conditions */
 };
 
 struct scene_stage {
@@ -65,13 +85,19 @@ struct scene_stage {
     int name_length;              /* without that */
     int64_t repeat, group_length; /* of a group, on its first stage: passes, stages in each; else 0 */
     double dt_s;
-    double duration_s;          /* its length, or the limit in time when a condition is given */
-    double until_energy_ratio;  /* ends when E_kin/E_pot is below this; 0: no condition */
-    double until_stress_error;  /* ends when every stress-controlled axis is within this fraction of its target */
+    double duration_s; /* its length, or the limit in time when a condition is given */
+    /* Conditions; whichever comes first ends it. Rest is one: both of these, if both are given. */
+    double until_energy_ratio;  /* E_kin/E_pot is below this; 0: no condition */
+    double until_stress_error;  /* every stress-controlled axis is within this fraction of its target */
     double stress_tolerance_pa; /* or this near it */
-    double min_duration_s;      /* conditions are not looked at before */
-    double sample_interval_s;   /* 0: duration/500 */
-    double frame_interval_s;    /* 0: frames only at frame_strains and at the end of the stage */
+    struct config_band until_q_pa, until_q_over_p;
+    double until_r_u;                   /* (p_ref - p)/p_ref; 0: no condition */
+    double reference_pressure_pa;       /* p_ref */
+    int64_t until_cycles;               /* 0: no condition */
+    int64_t condition_steps;            /* between looks at them */
+    double min_duration_s;              /* they are not looked at before */
+    double sample_interval_s;           /* 0: duration/500 */
+    double frame_interval_s;            /* 0: frames only at frame_strains and at the end of the stage */
     struct config_floats frame_strains; /* of the strain-controlled axis, increasing */
     struct scene_material material;
     struct scene_axis axis[SCENE_AXES];
@@ -158,8 +184,17 @@ void scene_free(struct scene *scene);
  */
 void scene_print(FILE *out, const struct scene *scene);
 
+/* The same, but of stages only what they do not have from the scene, or by default: for messages. */
+void scene_print_short(FILE *out, const struct scene *scene);
+
 /* Writes docs/scene-reference.md. */
 void scene_print_reference(FILE *out);
+
+/* Period of the cycles that are run along an axis; 0: none are. */
+double scene_axis_period_s(const struct scene_axis *axis);
+
+/* When a course "rate" comes to its strain, which is not 0 [s]. */
+double scene_axis_rate_end_s(const struct scene_axis *axis);
 
 /* What the scene needs modelled, over all stages. */
 bool scene_is_frictional(const struct scene *scene);

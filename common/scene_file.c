@@ -47,8 +47,10 @@ static enum status stage_read(struct scene *scene, const config_setting_t *root,
     TRY(config_group_read(setting, scene_stage_keys, where, NULL, stage));
     TRY(config_require(setting, scene_stage_keys, where));
     stage->name_length = (int)strlen(stage->name);
-    TRY(scene_check_stage(scene, stage, root, setting, where));
+    TRY(scene_check_material(stage, setting, where));
+    TRY(scene_check_walls(scene, stage, root, setting, where));
     scene_stage_complete(stage);
+    TRY(scene_check_stage(stage, setting, where));
     scene->n_stages++;
     return STATUS_OK;
 }
@@ -214,7 +216,7 @@ static enum status check_message_size(const struct scene *scene, const char *pat
     FILE *out = open_memstream(&effective, &size);
     if (!out)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    scene_print(out, scene);
+    scene_print_short(out, scene);
     bool failed = fclose(out) != 0;
     free(effective);
     if (failed)

@@ -9,9 +9,11 @@
 
 #define CONTACT_LAW_NAME(name, NAME) #name,
 static const char *const law_names[] = {CONTACT_LAWS(CONTACT_LAW_NAME) NULL};
-static const char *const mode_names[] = {"fixed", "strain", "stress", NULL};
+static const char *const mode_names[] = {"fixed", "strain", "stress", "coupled", NULL};
 static const char *const opposite_names[] = {"fixed", "mirror", "constant", NULL};
-static const char *const target_names[] = {"constant", "ramp", "cosine", NULL};
+static const char *const course_names[] = {"smooth", "rate", "cosine", "triangle", "table", NULL};
+static const char *const target_names[] = {"constant", "ramp", "cosine", "triangle", "table", NULL};
+static const char *const keep_names[] = {"volume", "p", "b", "path", NULL};
 static const char *const radius_names[] = {"uniform", "gaussian", NULL};
 static const char *const initial_names[] = {"lattice", "random", "checkpoint", NULL};
 static const char *const scheme_names[] = {"hold", "jacobian", "pipelined", "adaptive", "impedance", NULL};
@@ -50,29 +52,70 @@ static const struct key material_keys[] = {
 
 static const struct key axis_keys[] = {
     {"mode", KEY_CHOICE, OF(scene_axis, mode), NULL, 0, 0, "fixed", mode_names, NULL,
-     "what moves the upper wall: nothing, a strain path [LH eq. 1.1], or a pressure [LH eq. 1.2]"},
+     "what moves the upper wall: nothing, a course of strain [LH eq. 1.1], a pressure [LH eq. 1.2], or what the other "
+     "axes do, so that something is kept"},
     {"opposite", KEY_CHOICE, OF(scene_axis, opposite), NULL, 0, 0, "mirror", opposite_names, NULL,
      "the lower wall: fixed; mirror image of the upper (both driven by the mean force); or stress controlled at the "
      "constant pressure_pa"},
+    {"course", KEY_CHOICE, OF(scene_axis, course), NULL, 0, 0, "smooth", course_names, NULL,
+     "strain control, e(t) from the start of the stage, z = z_0 (1 - e): smooth: strain/2 (1 - cos 2 pi f t) for half "
+     "a "
+     "period, then at rest; rate: at rate_per_s until strain; cosine, triangle: cycles; table: strains at times_s"},
     {"strain", KEY_FLOAT, OF(scene_axis, strain), NULL, -10, 0.95, "0", NULL, NULL,
-     "strain control: strain at the end, z_f = z_0 (1 - strain)"},
+     "strain control: strain at the end, z_f = z_0 (1 - strain); rate: 0 is no end; cycles: from 0 to strain and back, "
+     "with two_way between strain and -strain"},
     {"frequency_hz", KEY_FLOAT, OF(scene_axis, frequency_hz), "1/s", 0, INFINITY, "0", NULL, NULL,
-     "strain control: f; the motion takes 1/(2f), then the wall rests"},
+     "strain control: f; a smooth course takes 1/(2f), a cycle 1/f"},
+    {"rate_per_s", KEY_FLOAT, OF(scene_axis, rate_per_s), "1/s", -INFINITY, INFINITY, "0", NULL, NULL,
+     "course \"rate\": the strain rate, negative in extension"},
+    {"rise_s", KEY_FLOAT, OF(scene_axis, rise_s), "s", 0, INFINITY, "0", NULL, NULL,
+     "course \"rate\": time in which it rises from 0 to rate_per_s, so that no wave starts from the wall"},
+    {"strain_growth", KEY_FLOAT, OF(scene_axis, strain_growth), NULL, -1, 1, "0", NULL, NULL,
+     "strain cycles: what the amplitude grows by every growth_cycles"},
     {"target", KEY_CHOICE, OF(scene_axis, target), NULL, 0, 0, "constant", target_names, NULL,
-     "stress control: constant pressure_pa; ramp to pressure_end_pa in ramp_s; or cycles pressure_pa + amplitude_pa/2 "
-     "(1 - cos(2 pi t/period_s))"},
+     "stress control: constant pressure_pa; ramp to pressure_end_pa in ramp_s; cycles pressure_pa + amplitude_pa/2 "
+     "(1 - cos(2 pi t/period_s)), or triangles; table: pressures_pa at times_s"},
     {"pressure_pa", KEY_FLOAT, OF(scene_axis, pressure_pa), "N/m^2", -INFINITY, INFINITY, "0", NULL, NULL,
-     "stress control: the target, compression positive (2D: force per side length, depth 1 m)"},
+     "stress control: the target, compression positive (2D: force per side length, depth 1 m); keep = \"p\": p, with "
+     "any target; keep = \"path\": p where the path starts"},
     {"pressure_end_pa", KEY_FLOAT, OF(scene_axis, pressure_end_pa), "N/m^2", -INFINITY, INFINITY, "0", NULL, NULL,
      "end of a ramp"},
     {"ramp_s", KEY_FLOAT, OF(scene_axis, ramp_s), "s", 0, INFINITY, "0", NULL, NULL, "length of a ramp"},
     {"amplitude_pa", KEY_FLOAT, OF(scene_axis, amplitude_pa), "N/m^2", -INFINITY, INFINITY, "0", NULL, NULL,
-     "cycles: peak to peak, delta sigma"},
-    {"period_s", KEY_FLOAT, OF(scene_axis, period_s), "s", 0, INFINITY, "0", NULL, NULL, "cycles: period t0"},
+     "cycles: peak to peak, delta sigma; with two_way half of it to either side: pressure_pa + amplitude_pa/2 "
+     "sin(2 pi t/period_s)"},
+    {"amplitude_growth_pa", KEY_FLOAT, OF(scene_axis, amplitude_growth_pa), "N/m^2", -INFINITY, INFINITY, "0", NULL,
+     NULL, "stress cycles: what the amplitude grows by every growth_cycles"},
+    {"period_s", KEY_FLOAT, OF(scene_axis, period_s), "s", 0, INFINITY, "0", NULL, NULL, "stress cycles: period t0"},
+    {"two_way", KEY_BOOL, OF(scene_axis, two_way), NULL, 0, 0, "false", NULL, NULL,
+     "cycles of strain or stress: to both sides of where they start, beginning with a quarter towards compression"},
+    {"growth_cycles", KEY_INT, OF(scene_axis, growth_cycles), "cycles", 1, 1000000, "1", NULL, NULL,
+     "amplitude series: cycles of one amplitude"},
+    {"times_s", KEY_FLOATS, OF(scene_axis, times_s), "s", 0, INFINITY, "", NULL, NULL,
+     "tables: times from the start of the stage, the first one 0, increasing; straight lines between, the last value "
+     "after"},
+    {"strains", KEY_FLOATS, OF(scene_axis, strains), NULL, -10, 0.95, "", NULL, NULL,
+     "course \"table\": strain at each time, the first one 0"},
+    {"pressures_pa", KEY_FLOATS, OF(scene_axis, pressures_pa), "N/m^2", -INFINITY, INFINITY, "", NULL, NULL,
+     "target \"table\": pressure at each time"},
     {"mass_kg", KEY_FLOAT, OF(scene_axis, mass_kg), "kg", 0, INFINITY, "0", NULL, NULL,
      "stress control: mass m_x of the wall"},
     {"damping_kg_per_s", KEY_FLOAT, OF(scene_axis, damping_kg_per_s), "kg/s", 0, INFINITY, "0", NULL, NULL,
      "stress control: damping gamma_x of the wall; mass and damping must not both be 0"},
+    {"keep", KEY_CHOICE, OF(scene_axis, keep), NULL, 0, 0, "volume", keep_names, NULL,
+     "mode \"coupled\": what the axis is moved for: the volume of the start of the stage; the mean stress p; "
+     "b (in y); or a straight path in p and q"},
+    {"b", KEY_FLOAT, OF(scene_axis, b), NULL, 0, 1, "0", NULL, NULL,
+     "keep = \"b\": (sigma_yy - sigma_xx)/(sigma_zz - sigma_xx)"},
+    {"dq_dp", KEY_FLOAT, OF(scene_axis, dq_dp), NULL, -INFINITY, INFINITY, "3", NULL, NULL,
+     "keep = \"path\": slope of q - deviator_pa = dq_dp (p - pressure_pa); q = sigma_zz - the lateral mean"},
+    {"deviator_pa", KEY_FLOAT, OF(scene_axis, deviator_pa), "N/m^2", -INFINITY, INFINITY, "0", NULL, NULL,
+     "keep = \"path\": q where the path starts"},
+    {"until_strain", KEY_BAND, OF(scene_axis, until_strain), NULL, -10, 0.95, "", NULL, NULL,
+     "condition: the stage ends when the strain of this axis since its start is beyond this (a negative number: "
+     "below it), or outside [low, high]"},
+    {"until_stress_pa", KEY_BAND, OF(scene_axis, until_stress_pa), "N/m^2", -INFINITY, INFINITY, "", NULL, NULL,
+     "condition: the same for the stress of this axis, the mean of both walls"},
     {0}};
 
 #define WALLS_OF(type)                                                                                                 \
@@ -91,16 +134,33 @@ const struct key scene_stage_keys[] = {
     {"name", KEY_STRING, OF(scene_stage, name), NULL, 0, 0, NULL, NULL, NULL,
      "name of the stage, its own: its checkpoint is checkpoint-NAME.h5"},
     {"dt_s", KEY_FLOAT, OF(scene_stage, dt_s), "s", 1e-12, 1, NULL, NULL, NULL, "time step"},
-    {"duration_s", KEY_FLOAT, OF(scene_stage, duration_s), "s", 0, INFINITY, NULL, NULL, NULL,
-     "length of the stage; with a condition, the limit in time"},
+    {"duration_s", KEY_FLOAT, OF(scene_stage, duration_s), "s", 0, INFINITY, "0", NULL, NULL,
+     "length of the stage; with a condition, the limit in time; 0: as long as until_cycles, or as its courses, ramps "
+     "and "
+     "tables take"},
     {"until_energy_ratio", KEY_FLOAT, OF(scene_stage, until_energy_ratio), NULL, 0, INFINITY, "0", NULL, NULL,
-     "condition: the stage ends when E_kin/E_pot is below this; 0: none"},
+     "condition (rest): the stage ends when E_kin/E_pot is below this; 0: none. Of several conditions the first that "
+     "is "
+     "met ends the stage; the two of rest count as one, met when both are"},
     {"until_stress_error", KEY_FLOAT, OF(scene_stage, until_stress_error), NULL, 0, INFINITY, "0", NULL, NULL,
-     "condition: the stage ends when each stress-controlled axis is within this fraction of its target; 0: none"},
+     "condition (rest): the stage ends when each stress-controlled axis is within this fraction of its target; 0: "
+     "none"},
     {"stress_tolerance_pa", KEY_FLOAT, OF(scene_stage, stress_tolerance_pa), "N/m^2", 0, INFINITY, "0", NULL, NULL,
      "until_stress_error: an axis this near its target is near enough, however small the target"},
+    {"until_q_pa", KEY_BAND, OF(scene_stage, until_q_pa), "N/m^2", -INFINITY, INFINITY, "", NULL, NULL,
+     "condition: the stage ends when q = sigma_zz - the lateral mean is beyond this, or outside [low, high]"},
+    {"until_q_over_p", KEY_BAND, OF(scene_stage, until_q_over_p), NULL, -3, 3, "", NULL, NULL,
+     "condition: the same for q/p, p the mean of the stresses"},
+    {"until_r_u", KEY_FLOAT, OF(scene_stage, until_r_u), NULL, 0, 2, "0", NULL, NULL,
+     "condition: the stage ends when r_u = 1 - p/reference_pressure_pa is above this; 0: none"},
+    {"reference_pressure_pa", KEY_FLOAT, OF(scene_stage, reference_pressure_pa), "N/m^2", 0, INFINITY, "0", NULL, NULL,
+     "of r_u: p before a test at constant volume"},
+    {"until_cycles", KEY_INT, OF(scene_stage, until_cycles), "cycles", 0, 100000000, "0", NULL, NULL,
+     "condition: the stage ends after so many cycles; 0: none"},
+    {"condition_steps", KEY_INT, OF(scene_stage, condition_steps), "steps", 1, 1000000, "256", NULL, NULL,
+     "conditions are looked at every so many steps of the stage, whatever is recorded and however long its limit"},
     {"min_duration_s", KEY_FLOAT, OF(scene_stage, min_duration_s), "s", 0, INFINITY, "0", NULL, NULL,
-     "conditions are not looked at before"},
+     "conditions are not looked at before (but for until_cycles)"},
     {"sample_interval_s", KEY_FLOAT, OF(scene_stage, sample_interval_s), "s", 0, INFINITY, "0", NULL, NULL,
      "time between samples; 0: duration_s/500"},
     {"frame_interval_s", KEY_FLOAT, OF(scene_stage, frame_interval_s), "s", 0, INFINITY, "0", NULL, NULL,
@@ -216,8 +276,44 @@ void scene_stage_start(const struct scene *scene, struct scene_stage *stage)
     memcpy(stage->axis, scene->axis, sizeof stage->axis);
 }
 
+/* Until a table, a ramp or a course of strain has come to its end; 0: it has none. */
+static double axis_length_s(const struct scene_axis *axis)
+{
+    const double last_s = axis->times_s.count > 0 ? axis->times_s.value[axis->times_s.count - 1] : 0;
+    if (axis->mode == WALL_STRESS || (axis->mode == WALL_COUPLED && axis->keep == KEEP_P))
+        return axis->target == TARGET_RAMP ? axis->ramp_s : axis->target == TARGET_TABLE ? last_s : 0;
+    if (axis->mode != WALL_STRAIN)
+        return 0;
+    switch (axis->course) {
+    case COURSE_SMOOTH:
+        return 0.5 / axis->frequency_hz;
+    case COURSE_RATE:
+        return axis->strain != 0 ? scene_axis_rate_end_s(axis) : 0;
+    case COURSE_TABLE:
+        return last_s;
+    default:
+        return 0;
+    }
+}
+
+/* What the stage says of its length otherwise. */
+static double stage_length_s(const struct scene_stage *stage)
+{
+    double length_s = 0;
+    for (int k = 0; k < SCENE_AXES; k++) {
+        const double period_s = scene_axis_period_s(&stage->axis[k]);
+        if (period_s > 0 && stage->until_cycles > 0)
+            return (double)stage->until_cycles * period_s;
+    }
+    for (int k = 0; k < SCENE_AXES; k++)
+        length_s = fmax(length_s, axis_length_s(&stage->axis[k]));
+    return length_s;
+}
+
 void scene_stage_complete(struct scene_stage *stage)
 {
+    if (stage->duration_s <= 0)
+        stage->duration_s = stage_length_s(stage);
     if (stage->material.mu_d < 0)
         stage->material.mu_d = stage->material.mu_s;
     if (stage->sample_interval_s <= 0)

@@ -9,7 +9,7 @@ struct scene_group {
     int64_t repeat;
 };
 
-/* What a stage has before its own keys are read, and what follows from those. */
+/* What a stage has before its own keys are read, and what follows from those once they are checked. */
 struct scene;
 struct scene_stage;
 void scene_stage_start(const struct scene *scene, struct scene_stage *stage);

@@ -4,24 +4,25 @@
 #include "common/scene.h"
 #include "common/scene_keys.h"
 
-static void stage_print(FILE *out, const struct scene_stage *stage, bool more)
+/* `base`: what a stage is without keys of its own, of which only the others are printed; NULL: all are. */
+static void stage_print(FILE *out, const struct scene_stage *stage, const struct scene_stage *base, bool more)
 {
     struct scene_stage named = *stage;
     named.name[named.name_length] = '\0';
     fprintf(out, "  {\n");
-    config_print(out, scene_stage_keys, &named, 4);
+    config_print_beside(out, scene_stage_keys, &named, base, 4);
     fprintf(out, "  }%s\n", more ? "," : "");
 }
 
-static void group_print(FILE *out, const struct scene_stage *first, bool more)
+static void group_print(FILE *out, const struct scene_stage *first, const struct scene_stage *base, bool more)
 {
     fprintf(out, "  {\n    repeat = %lldL;\n    stages = (\n", (long long)first->repeat);
     for (int64_t k = 0; k < first->group_length; k++)
-        stage_print(out, first + k, k + 1 < first->group_length);
+        stage_print(out, first + k, base, k + 1 < first->group_length);
     fprintf(out, "    );\n  }%s\n", more ? "," : "");
 }
 
-void scene_print(FILE *out, const struct scene *scene)
+static void print(FILE *out, const struct scene *scene, const struct scene_stage *base)
 {
     config_print(out, scene_keys, scene, 0);
     fprintf(out, "stages = (\n");
@@ -29,13 +30,25 @@ void scene_print(FILE *out, const struct scene *scene)
         const struct scene_stage *first = &scene->stage[k];
         if (first->repeat > 0) {
             const int64_t next = k + first->repeat * first->group_length;
-            group_print(out, first, next < scene->n_stages);
+            group_print(out, first, base, next < scene->n_stages);
             k = next;
         } else {
-            stage_print(out, first, ++k < scene->n_stages);
+            stage_print(out, first, base, ++k < scene->n_stages);
         }
     }
     fprintf(out, ");\n");
+}
+
+void scene_print(FILE *out, const struct scene *scene)
+{
+    print(out, scene, NULL);
+}
+
+void scene_print_short(FILE *out, const struct scene *scene)
+{
+    struct scene_stage base = {0};
+    scene_stage_start(scene, &base);
+    print(out, scene, &base);
 }
 
 void scene_print_reference(FILE *out)

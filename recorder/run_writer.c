@@ -434,7 +434,7 @@ enum status run_writer_flush(struct run_writer *writer)
 
 static enum status end_write(hid_t file, const shakedown_end_t *end)
 {
-    const int32_t status = end->status;
+    const int32_t status = end->status, stage_end = end->stage_end;
     const struct {
         const char *name;
         int64_t value;
@@ -446,6 +446,7 @@ static enum status end_write(hid_t file, const shakedown_end_t *end)
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         TRY(h5_attribute_numbers(file, "/", numbers[k].name, H5T_NATIVE_INT64, 0, &numbers[k].value));
     TRY(h5_attribute_numbers(file, "/", "status", H5T_NATIVE_INT32, 0, &status));
+    TRY(h5_attribute_numbers(file, "/", "stage_end", H5T_NATIVE_INT32, 0, &stage_end));
     TRY(h5_attribute_numbers(file, "/", "elapsed_s", H5T_NATIVE_DOUBLE, 0, &end->elapsed_s));
     TRY(h5_attribute_text(file, "/", "reason", end->reason));
     TRY(h5_attribute_texts(file, "/", "channels", (const char *const *)end->channel, (size_t)end->n_channels));

@@ -418,6 +418,7 @@ static struct scene *condition_scene(struct wall_state *state)
     scene->stage[1] = scene->stage[0];
     scene->stage[0].until_energy_ratio = 1e-3;
     scene->stage[0].min_duration_s = 0.1;
+    scene->stage[0].condition_steps = 1;
     *state = fixture_state(4, 1);
     state->stage = 0;
     state->step = state->command_step = 5100;
@@ -486,6 +487,310 @@ static void stress_condition_looks_at_every_controlled_wall(void **unused)
     assert_int_equal(answer(scene, &state).stage, 1);
     state.kinetic_energy_j = 1; /* all given conditions must hold */
     assert_int_equal(answer(scene, &state).stage, 0);
+    fixture_scene_free(scene);
+}
+
+/* ---- courses, cycles, tables ---- */
+
+static void cycles_and_tables_have_their_closed_forms(void **unused)
+{
+    (void)unused;
+    const double eps =
+        16 * DBL_EPSILON; /* a few roundings of numbers of size 1, and of sin of an argument of size 13 */
+    struct scene_axis a = {.target = TARGET_TRIANGLE, .pressure_pa = 10, .amplitude_pa = 4, .period_s = 2};
+    assert_near(wallctl_target_pressure_pa(&a, 0.5), 12, 14 * eps);
+    assert_near(wallctl_target_pressure_pa(&a, 1), 14, 14 * eps);
+    assert_near(wallctl_target_pressure_pa(&a, 3.5), 12, 14 * eps);
+    a.two_way = true;
+    assert_near(wallctl_target_pressure_pa(&a, 0.25), 11, 14 * eps);
+    assert_near(wallctl_target_pressure_pa(&a, 1.5), 8, 14 * eps);
+    a.target = TARGET_COSINE;
+    assert_near(wallctl_target_pressure_pa(&a, 0.5), 12, 14 * eps);
+    assert_near(wallctl_target_pressure_pa(&a, 1), 10, 14 * eps);
+    a.amplitude_growth_pa = 2;
+    a.growth_cycles = 2; /* amplitudes 4, 4, 6, 6, 8 ... */
+    assert_near(wallctl_target_pressure_pa(&a, 3.5), 8, 14 * eps);
+    assert_near(wallctl_target_pressure_pa(&a, 4.5), 13, 14 * eps);
+    struct scene_axis table = {.target = TARGET_TABLE,
+                               .times_s = {3, {0, 1, 3}},
+                               .pressures_pa = {3, {5, 7, -1}},
+                               .strains = {3, {0, 0.1, 0.05}}};
+    assert_near(wallctl_target_pressure_pa(&table, 0.5), 6, 7 * eps);
+    assert_near(wallctl_target_pressure_pa(&table, 2), 3, 7 * eps);
+    assert_true(wallctl_target_pressure_pa(&table, 4) == -1);
+    table.course = COURSE_TABLE;
+    assert_near(wallctl_strain_length_m(&table, 2, 0.5), 1.9, 2 * eps);
+    assert_near(wallctl_strain_rate_m_per_s(&table, 2, 2), 0.05, 2 * eps);
+    assert_true(wallctl_strain_done(&table, 3) && wallctl_strain_rate_m_per_s(&table, 2, 3) == 0);
+}
+
+/* At 0.2 1/s after a rise of 0.1 s: a strain of 0.01 there, 0.05 at 0.3 s. */
+static void a_rate_rises_and_ends(void **unused)
+{
+    (void)unused;
+    struct scene_axis a = {
+        .mode = WALL_STRAIN, .course = COURSE_RATE, .strain = 0.05, .rate_per_s = 0.2, .rise_s = 0.1};
+    const double eps = 16 * DBL_EPSILON;
+    assert_near(wallctl_strain_length_m(&a, 1, 0.05), 1 - 0.0025, eps);
+    assert_near(wallctl_strain_rate_m_per_s(&a, 1, 0.05), -0.1, eps);
+    assert_near(wallctl_strain_length_m(&a, 1, 0.1), 1 - 0.01, eps);
+    assert_near(wallctl_strain_rate_m_per_s(&a, 1, 0.2), -0.2, eps);
+    assert_near(scene_axis_rate_end_s(&a), 0.3, eps);
+    assert_true(wallctl_strain_length_m(&a, 1, 0.31) == 0.95);
+    a.strain = -0.0025, a.rate_per_s = -0.2; /* there before the rise is over */
+    assert_near(scene_axis_rate_end_s(&a), 0.05, eps);
+    assert_near(wallctl_strain_length_m(&a, 1, 0.04), 1 + 0.0016, eps);
+}
+
+static void strain_cycles_have_their_rates(void **unused)
+{
+    static const int courses[] = {COURSE_COSINE, COURSE_TRIANGLE};
+    (void)unused;
+    for (int k = 0; k < 4; k++) {
+        struct scene_axis a = {.mode = WALL_STRAIN, .course = courses[k % 2], .strain = 0.02, .frequency_hz = 3};
+        a.two_way = k / 2;
+        const double h = 1e-5, omega = 6 * PI;
+        /* central difference: third derivative, and rounding of two lengths over 2h */
+        const double tolerance = 0.02 * omega * omega * omega * h * h / 6 + 4 * DBL_EPSILON / h;
+        double least = 1, most = -1;
+        for (double t_s = 0.0013; t_s < 0.7; t_s += 0.0101) {
+            const double before = wallctl_strain_length_m(&a, 1, t_s - h),
+                         after = wallctl_strain_length_m(&a, 1, t_s + h);
+            assert_near(wallctl_strain_rate_m_per_s(&a, 1, t_s), (after - before) / (2 * h), tolerance);
+            least = fmin(least, 1 - after);
+            most = fmax(most, 1 - after);
+        }
+        assert_near(most, 0.02, 0.02 * 0.07); /* the grid misses the top by at most 5 ms of 83 */
+        assert_near(least, a.two_way ? -0.02 : 0, 0.02 * 0.07);
+    }
+}
+
+/* ---- coupled axes ---- */
+
+static double volume_at(const struct wall_command *c, double tau_s)
+{
+    double volume = 1;
+    for (int wall = 0; wall < c->n_walls; wall += 2) {
+        double x[2];
+        for (int k = 0; k < 2; k++)
+            x[k] = c->position_m[wall + k] +
+                   tau_s * (c->velocity_m_per_s[wall + k] + 0.5 * tau_s * c->acceleration_m_per_s2[wall + k]);
+        volume *= x[1] - x[0];
+    }
+    return volume;
+}
+
+/* The largest change of the volume over all steps, in and between exchanges. */
+static double volume_error(struct scene *scene)
+{
+    struct wall_state state = fixture_state(scene_wall_count(scene), 1);
+    double worst = 0;
+    for (struct wall_command c = answer(scene, &state); !c.finished; c = answer(scene, &state)) {
+        for (int k = 1; k <= c.n_steps; k++)
+            worst = fmax(worst, fabs(volume_at(&c, k * scene->stage[0].dt_s) - 1));
+        fixture_advance(scene, &c, &state);
+        fixture_springs(&state, 100, 1);
+    }
+    return worst;
+}
+
+static void the_volume_is_kept_in_every_step(void **unused)
+{
+    static const struct {
+        int dimension, opposite, interval, mode;
+        double tolerance;
+    } cases[] = {
+        /* 10 % in 1000 steps. One step an interval: roundings of 3 lengths, and of the motion. 16 steps: a strain of
+         * d = 1.6e-3; where the rate jumps from 0 (worst: the end of the rise) the parabola misses 1/z by 0.15 d^2. */
+        {3, OPPOSITE_MIRROR, 1, WALL_STRAIN, 40 * DBL_EPSILON},
+        {2, OPPOSITE_FIXED, 1, WALL_STRAIN, 40 * DBL_EPSILON},
+        {3, OPPOSITE_MIRROR, 16, WALL_STRAIN, 0.15 * 1.6e-3 * 1.6e-3},
+        {2, OPPOSITE_FIXED, 16, WALL_STRAIN, 0.15 * 1.6e-3 * 1.6e-3},
+        /* undrained stress cycles at 0.4 m/s; the drive must not close the loop */
+        {3, OPPOSITE_FIXED, 4, WALL_STRESS, 0.15 * 1.6e-3 * 1.6e-3},
+    };
+    (void)unused;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        struct scene *scene = fixture_scene(cases[k].dimension);
+        scene->coupling.interval_steps = cases[k].interval;
+        scene->coupling.scheme = SCHEME_IMPEDANCE;
+        struct scene_axis follow = {.mode = WALL_COUPLED, .keep = KEEP_VOLUME, .opposite = cases[k].opposite};
+        scene->stage[0].axis[AXIS_X] = follow;
+        if (cases[k].dimension == 3)
+            scene->stage[0].axis[AXIS_Y] = follow;
+        struct scene_axis *z = &scene->stage[0].axis[AXIS_Z];
+        *z = (struct scene_axis){.mode = WALL_STRAIN, .course = COURSE_RATE, .rate_per_s = 0.1, .rise_s = 0.1};
+        if (cases[k].mode == WALL_STRESS)
+            *z = stress_axis(OPPOSITE_FIXED);
+        const double error = volume_error(scene);
+        if (!(error <= cases[k].tolerance))
+            fail_msg("case %d: the volume is off by %g", (int)k, error);
+        fixture_scene_free(scene);
+    }
+}
+
+/* Forces at which everything that is kept is kept: no wall is moved. One Newton more on z, and the others follow. */
+static void kept_stresses_solve_their_equations(void **unused)
+{
+    static const struct {
+        int keep_x, keep_y;
+        double x, y, z; /* sigma [N/m^2] at rest, areas of 1 m^2 */
+        double dx, dy;  /* what x and y shall have more when z has 1 more */
+    } cases[] = {
+        {KEEP_P, KEEP_P, 8, 8, 14, -0.5, -0.5},
+        {KEEP_PATH, KEEP_PATH, 8, 8, 14, 0.25, 0.25}, /* dq/dp = 1.5: dq = 0.75, dp = 0.5 */
+    };
+    (void)unused;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        struct scene *scene = fixture_scene(3);
+        struct wall_state state = fixture_state(6, 1);
+        struct scene_axis axis = {.mode = WALL_COUPLED, .opposite = OPPOSITE_MIRROR, .mass_kg = 1, .pressure_pa = 10};
+        axis.dq_dp = 1.5, axis.deviator_pa = 6;
+        axis.keep = cases[k].keep_x;
+        scene->stage[0].axis[AXIS_X] = axis;
+        axis.keep = cases[k].keep_y;
+        scene->stage[0].axis[AXIS_Y] = axis;
+        scene->coupling.interval_steps = 1;
+        state.force_n[0] = state.force_n[1] = cases[k].x;
+        state.force_n[2] = state.force_n[3] = cases[k].y;
+        state.force_n[4] = state.force_n[5] = cases[k].z;
+        state.interval_s = 1e-3;
+        struct wall_command rest = answer(scene, &state);
+        for (int wall = 0; wall < 4; wall++) /* roundings of 14 N, over a mass of 1 kg */
+            assert_near(rest.acceleration_m_per_s2[wall], 0, 14 * 16 * DBL_EPSILON);
+        state.force_n[4] = state.force_n[5] = cases[k].z + 1;
+        struct wall_command moved = answer(scene, &state); /* m a = F - target */
+        assert_near(moved.acceleration_m_per_s2[1], -cases[k].dx, 15 * 16 * DBL_EPSILON);
+        assert_near(moved.acceleration_m_per_s2[3], -cases[k].dy, 15 * 16 * DBL_EPSILON);
+        fixture_scene_free(scene);
+    }
+}
+
+/* p = 10, b = 0.25, sigma_zz = 16: sigma_xx = (3 p - (1 + b) sigma_zz)/(2 - b), sigma_yy = sigma_xx + b (16 - sigma_xx)
+ */
+static void p_and_b_are_kept_together(void **unused)
+{
+    struct scene *scene = fixture_scene(3);
+    struct wall_state state = fixture_state(6, 1);
+    const double x_pa = (30 - 1.25 * 16) / 1.75, y_pa = x_pa + 0.25 * (16 - x_pa);
+    (void)unused;
+    struct scene_axis axis = {.mode = WALL_COUPLED, .keep = KEEP_P, .opposite = OPPOSITE_MIRROR, .mass_kg = 1};
+    axis.pressure_pa = 10;
+    scene->stage[0].axis[AXIS_X] = axis;
+    axis.keep = KEEP_B, axis.b = 0.25;
+    scene->stage[0].axis[AXIS_Y] = axis;
+    scene->coupling.interval_steps = 1;
+    state.interval_s = 1e-3;
+    state.force_n[4] = state.force_n[5] = 16;
+    struct wall_command command = answer(scene, &state);
+    assert_near(command.acceleration_m_per_s2[1], -x_pa, 16 * 16 * DBL_EPSILON);
+    assert_near(command.acceleration_m_per_s2[3], -y_pa, 16 * 16 * DBL_EPSILON);
+    fixture_scene_free(scene);
+}
+
+/* ---- what ends a stage ---- */
+
+/* A state of stage 0 of 2, after 512 steps; stresses 8, 8, 14; z shortened by 2 %. */
+static struct scene *ending_scene(struct wall_state *state)
+{
+    struct scene *scene = fixture_scene(3);
+    scene->n_stages = 2;
+    scene->stage[1] = scene->stage[0];
+    scene->stage[0].condition_steps = 256;
+    *state = fixture_state(6, 1);
+    state->stage = 0;
+    state->step = state->command_step = state->stage_step = 512;
+    state->position_m[5] = 0.98;
+    state->force_n[0] = state->force_n[1] = state->force_n[2] = state->force_n[3] = 8 * 0.98;
+    state->force_n[4] = state->force_n[5] = 14;
+    return scene;
+}
+
+static void expect_end(const struct scene *scene, const struct wall_state *state, int end)
+{
+    struct wall_command command = answer(scene, state);
+    assert_int_equal(command.ended, end);
+    assert_int_equal(command.stage, end != STAGE_END_NONE);
+}
+
+static void every_condition_ends_a_stage(void **unused)
+{
+    struct wall_state state;
+    struct scene *scene = ending_scene(&state);
+    struct scene_stage *stage = &scene->stage[0];
+    struct scene_axis *z = &stage->axis[AXIS_Z];
+    (void)unused;
+    expect_end(scene, &state, STAGE_END_NONE);
+    z->until_strain = (struct config_band){1, {0.0199}};
+    expect_end(scene, &state, STAGE_END_STRAIN);
+    z->until_strain = (struct config_band){1, {-0.01}};
+    expect_end(scene, &state, STAGE_END_NONE);
+    z->until_strain = (struct config_band){2, {-0.01, 0.03}};
+    expect_end(scene, &state, STAGE_END_NONE);
+    z->until_strain = (struct config_band){2, {0.025, 0.03}};
+    expect_end(scene, &state, STAGE_END_STRAIN);
+    z->until_strain.count = 0;
+    z->until_stress_pa = (struct config_band){1, {13.9}};
+    expect_end(scene, &state, STAGE_END_STRESS);
+    z->until_stress_pa = (struct config_band){2, {13, 15}};
+    stage->until_q_pa = (struct config_band){1, {5.9}};
+    expect_end(scene, &state, STAGE_END_Q);
+    stage->until_q_pa = (struct config_band){1, {6.1}};
+    stage->until_q_over_p = (struct config_band){1, {0.59}};
+    expect_end(scene, &state, STAGE_END_Q_OVER_P);
+    stage->until_q_over_p.value[0] = 0.61;
+    stage->until_r_u = 0.49;
+    stage->reference_pressure_pa = 20;
+    expect_end(scene, &state, STAGE_END_R_U);
+    stage->until_r_u = 0.51;
+    expect_end(scene, &state, STAGE_END_NONE);
+    state.stage_step = 1000;
+    expect_end(scene, &state, STAGE_END_LIMIT);
+    fixture_scene_free(scene);
+}
+
+/* On the schedule and nowhere else; intervals stop there, and ask for the energies. */
+static void conditions_have_a_schedule_of_their_own(void **unused)
+{
+    struct wall_state state;
+    struct scene *scene = ending_scene(&state);
+    struct scene_stage *stage = &scene->stage[0];
+    (void)unused;
+    scene->coupling.interval_steps = 100;
+    assert_int_equal(answer(scene, &state).n_steps, 100);
+    stage->axis[AXIS_Z].until_strain = (struct config_band){1, {0.01}};
+    expect_end(scene, &state, STAGE_END_STRAIN);
+    state.stage_step = 511;
+    expect_end(scene, &state, STAGE_END_NONE);
+    assert_int_equal(answer(scene, &state).n_steps, 1);
+    assert_int_equal(answer(scene, &state).measure, 0); /* no energy is wanted */
+    stage->until_energy_ratio = 1e-3;
+    assert_int_equal(answer(scene, &state).measure, 1);
+    state.stage_step = 500;
+    assert_int_equal(answer(scene, &state).n_steps, 12);
+    state.stage_step = 300;
+    assert_int_equal(answer(scene, &state).n_steps, 100);
+    assert_int_equal(answer(scene, &state).measure, 0);
+    fixture_scene_free(scene);
+}
+
+/* Three cycles of 0.1 s in steps of 3 ms are 100 steps; a longer limit does not matter, a shorter one does. */
+static void cycles_are_counted(void **unused)
+{
+    struct scene *scene = fixture_scene(2);
+    struct wall_state state = fixture_state(4, 1);
+    struct scene_stage *stage = &scene->stage[0];
+    (void)unused;
+    scene->coupling.interval_steps = 1000;
+    stage->dt_s = 3e-3, stage->duration_s = 10, stage->until_cycles = 3;
+    stage->axis[AXIS_Z] = (struct scene_axis){.mode = WALL_STRAIN, .course = COURSE_COSINE, .frequency_hz = 10};
+    assert_int_equal(answer(scene, &state).n_steps, 100);
+    state.stage = 0, state.stage_step = 100;
+    struct wall_command command = answer(scene, &state);
+    assert_true(command.finished && command.ended == STAGE_END_CYCLES);
+    stage->duration_s = 0.15;
+    command = answer(scene, &state);
+    assert_true(command.finished && command.ended == STAGE_END_LIMIT);
     fixture_scene_free(scene);
 }
 
@@ -579,6 +884,15 @@ int main(void)
         cmocka_unit_test(a_new_stage_starts_where_the_walls_are),
         cmocka_unit_test(energy_condition_ends_a_stage),
         cmocka_unit_test(stress_condition_looks_at_every_controlled_wall),
+        cmocka_unit_test(cycles_and_tables_have_their_closed_forms),
+        cmocka_unit_test(a_rate_rises_and_ends),
+        cmocka_unit_test(strain_cycles_have_their_rates),
+        cmocka_unit_test(the_volume_is_kept_in_every_step),
+        cmocka_unit_test(kept_stresses_solve_their_equations),
+        cmocka_unit_test(p_and_b_are_kept_together),
+        cmocka_unit_test(every_condition_ends_a_stage),
+        cmocka_unit_test(conditions_have_a_schedule_of_their_own),
+        cmocka_unit_test(cycles_are_counted),
         cmocka_unit_test(bad_states_are_refused),
         cmocka_unit_test(a_command_that_is_not_finite_is_refused),
         cmocka_unit_test(the_law_keeps_nothing),

@@ -517,11 +517,14 @@ static void what_cannot_be_told_is_a_limit(void **state)
     scene = outlook_scene("until_energy_ratio = 1e-300;", "");
     expect_left(&fast, scene, 1, 200, 1800, TIME_REMAINING_EXTRAPOLATED); /* not beyond the limit */
     fixture_scene_free(scene);
-    scene = outlook_scene("until_energy_ratio = 0.1; min_duration_s = 1e-3; until_stress_error = 1e-2;", "");
+    scene = outlook_scene("until_energy_ratio = 0.1; min_duration_s = 1e-3; until_stress_error = 1e-2;"
+                          " walls = { z = { mode = \"stress\"; pressure_pa = 1.0; mass_kg = 1.0; }; };",
+                          "");
     expect_left(&fast, scene, 1, 200, 300 + 1000, TIME_REMAINING_EXTRAPOLATED);
     expect_left(&fast, scene, 1, 510, 490 + 1000, TIME_REMAINING_AT_MOST); /* it waits for the stress */
     fixture_scene_free(scene);
-    scene = outlook_scene("until_stress_error = 1e-2;", "");
+    scene = outlook_scene(
+        "until_stress_error = 1e-2; walls = { z = { mode = \"stress\"; pressure_pa = 1.0; mass_kg = 1.0; }; };", "");
     expect_left(&fast, scene, 1, 200, 1800, TIME_REMAINING_AT_MOST);
     fixture_scene_free(scene);
     scene = outlook_scene("until_energy_ratio = 4.5399929762484854e-5;", "until_energy_ratio = 1e-5;");

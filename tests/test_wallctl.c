@@ -203,8 +203,8 @@ static void end_send(struct bus *bus, int64_t run_id)
     must(bus_publish(bus, "END", bytes, (size_t)size));
 }
 
-/* 100 + 200 + 200 steps in intervals of 3, cut at the ends of the stages: 34 + 67 + 67 commands and the last one. */
-enum { FIXTURE_EXCHANGES = 34 + 67 + 67 + 1 };
+/* 100 + 200 + 200 + 100 + 100 steps in intervals of 3, cut at the ends of the stages, and the last command. */
+enum { FIXTURE_EXCHANGES = 34 + 67 + 67 + 34 + 34 + 1 };
 
 static void a_run_goes_through(void **fixture)
 {
@@ -219,7 +219,7 @@ static void a_run_goes_through(void **fixture)
         exchanges++;
     } while (step_on(b, &state));
     assert_int_equal(exchanges, FIXTURE_EXCHANGES);
-    assert_int_equal(state.step, 500);
+    assert_int_equal(state.step, 700);
     end_send(&b->bus, RUN);
     assert_int_equal(exit_code(b), 0);
     read_errors(b, errors);

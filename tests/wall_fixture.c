@@ -49,7 +49,13 @@ const char *fixture_scene_text(void)
            "    walls = { z = { mode = \"strain\"; strain = 0.035; frequency_hz = 20.0; opposite = \"fixed\"; }; }; "
            "},\n"
            "  { name = \"cycles\"; dt_s = 1e-4; duration_s = 0.02;\n"
-           "    walls = { x = { target = \"cosine\"; amplitude_pa = 100.0; period_s = 0.01; }; }; } );\n";
+           "    walls = { x = { target = \"cosine\"; amplitude_pa = 100.0; period_s = 0.01; }; }; },\n"
+           "  { name = \"kept\"; dt_s = 1e-4; until_cycles = 2; condition_steps = 50;\n"
+           "    walls = { x = { mode = \"coupled\"; keep = \"p\"; };\n"
+           "              z = { mode = \"strain\"; course = \"cosine\"; strain = 0.01; frequency_hz = 200.0; }; }; },\n"
+           "  { name = \"undrained\"; dt_s = 1e-4;\n"
+           "    walls = { x = { mode = \"coupled\"; keep = \"volume\"; };\n"
+           "              z = { mode = \"strain\"; course = \"rate\"; strain = 0.01; rate_per_s = 1.0; }; }; } );\n";
 }
 
 struct wall_state fixture_state(int n_walls, double length_m)

@@ -20,8 +20,19 @@ struct controller {
     int64_t run_id;
     struct controller_counts *counts;
     bool ended;
+    int last_stage;      /* whose end was said; copies of states come again */
     enum status failure; /* of sending an answer; a handler cannot return it */
 };
+
+static void say_end(struct controller *c, const struct wall_state *state, const struct wall_command *command)
+{
+    if (command->ended == STAGE_END_NONE || state->stage <= c->last_stage)
+        return;
+    c->last_stage = state->stage;
+    printf("stage \"%s\" ended at step %" PRId64 " after %g s by %s\n", c->scene->stage[state->stage].name,
+           command->step, state->stage_time_s, stage_end_text(command->ended));
+    (void)fflush(stdout); /* a log; nothing depends on it */
+}
 
 /* A repeated state gets the same command under the same seq: copies cannot be told apart, and need not be. */
 static enum status state_answer(struct controller *c, const struct message_header *header,
@@ -34,6 +45,7 @@ static enum status state_answer(struct controller *c, const struct message_heade
             fprintf(stderr, "wallctl: error: %s; this state gets no answer\n", status_message());
         return STATUS_OK;
     }
+    say_end(c, state, &command);
     size_t size = wall_command_encode(&command, c->run_id, header->seq, state->time_s, buffer);
     if (size == 0)
         return status_fail(STATUS_LIMIT, "a wall command does not fit into %d bytes", WALL_MESSAGE_MAX);
@@ -91,7 +103,7 @@ static enum status loop(struct controller *c)
 
 enum status controller_run(struct bus *bus, const struct scene *scene, int64_t run_id, struct controller_counts *counts)
 {
-    struct controller c = {.bus = bus, .scene = scene, .run_id = run_id, .counts = counts};
+    struct controller c = {.bus = bus, .scene = scene, .run_id = run_id, .counts = counts, .last_stage = -1};
     void *states = NULL, *ends = NULL;
     memset(counts, 0, sizeof *counts);
     enum status status = bus_subscribe_for_a_while(bus, CHANNEL_WALL_STATE, on_state, &c, &states);

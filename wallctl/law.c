@@ -4,6 +4,7 @@
 #include <limits.h>
 #include <math.h>
 
+#include "wallctl/coupled.h"
 #include "wallctl/protocol.h"
 #include "wallctl/stress.h"
 
@@ -14,6 +15,8 @@ struct pair_control {
     struct wall_state foreseen[2]; /* positions in the middle and at the end of the interval: of strain control
                                           as commanded, of the others as they move now */
     const struct moment *moment;
+    const double *target_pa; /* [pairs] at the start of the interval */
+    int scheme;              /* that closes loops around forces */
     const struct scene_axis *axis;
     int lo, hi;            /* indices of its walls */
     double start_s, end_s; /* the interval, in the time of the stage */
@@ -81,7 +84,7 @@ static void stress_wall(const struct pair_control *c, int wall, double sign, dou
     loop.contact_damping_kg_per_s = state->damping_kg_per_s[wall];
     loop.velocity_m_per_s = sign * state->velocity_m_per_s[wall];
     loop.force_n = state->force_n[wall];
-    struct stress_motion motion = stress_motion(c->scene->coupling.scheme, &loop);
+    struct stress_motion motion = stress_motion(c->scheme, &loop);
     loop_set(command, wall, sign, &motion);
 }
 
@@ -94,21 +97,21 @@ static void stress_mirror(const struct pair_control *c, double target_pa, struct
     loop.contact_damping_kg_per_s = 0.5 * (s->damping_kg_per_s[c->hi] + s->damping_kg_per_s[c->lo]);
     loop.velocity_m_per_s = 0.5 * (s->velocity_m_per_s[c->hi] + -s->velocity_m_per_s[c->lo]);
     loop.force_n = 0.5 * (s->force_n[c->hi] + s->force_n[c->lo]);
-    struct stress_motion motion = stress_motion(c->scene->coupling.scheme, &loop);
+    struct stress_motion motion = stress_motion(c->scheme, &loop);
     loop_set(command, c->hi, 1, &motion);
     loop_set(command, c->lo, -1, &motion);
 }
 
 /* The loop goes to sim: mass, damping, and the driving force p A, a parabola through its start, middle and end; exact
- * at the start, later as far as the other walls are foreseen. */
-static void impedance_wall(const struct pair_control *c, int wall, enum wall_drive drive,
-                           double (*target_pa)(const struct scene_axis *axis, double t_s), struct wall_command *command)
+ * at the start, later as far as the other walls are foreseen. target_pa [3]: at the three. */
+static void impedance_wall(const struct pair_control *c, int wall, enum wall_drive drive, const double *target_pa,
+                           struct wall_command *command)
 {
     const int pair = c->hi / 2;
-    const double h = c->interval_s, middle_s = 0.5 * (c->start_s + c->end_s);
-    const double start_n = target_pa(c->axis, c->start_s) * walls_area_m2(c->state, pair);
-    const double middle_n = target_pa(c->axis, middle_s) * walls_area_m2(&c->foreseen[0], pair);
-    const double end_n = target_pa(c->axis, c->end_s) * walls_area_m2(&c->foreseen[1], pair);
+    const double h = c->interval_s;
+    const double start_n = target_pa[0] * walls_area_m2(c->state, pair);
+    const double middle_n = target_pa[1] * walls_area_m2(&c->foreseen[0], pair);
+    const double end_n = target_pa[2] * walls_area_m2(&c->foreseen[1], pair);
     command->drive[wall] = drive;
     command->mass_kg[wall] = c->axis->mass_kg;
     command->damping_kg_per_s[wall] = c->axis->damping_kg_per_s;
@@ -117,27 +120,28 @@ static void impedance_wall(const struct pair_control *c, int wall, enum wall_dri
     command->force_rate2_n_per_s2[wall] = 4 * ((end_n - middle_n) - (middle_n - start_n)) / (h * h);
 }
 
-static double constant_pressure_pa(const struct scene_axis *axis, double t_s)
-{
-    (void)t_s;
-    return axis->pressure_pa;
-}
-
 static void impedance_pair(const struct pair_control *c, struct wall_command *command)
 {
-    bool mirror = c->axis->opposite == OPPOSITE_MIRROR;
-    enum wall_drive drive = mirror ? DRIVE_IMPEDANCE_MIRROR : DRIVE_IMPEDANCE;
-    impedance_wall(c, c->hi, drive, wallctl_target_pressure_pa, command);
+    const bool mirror = c->axis->opposite == OPPOSITE_MIRROR;
+    const enum wall_drive drive = mirror ? DRIVE_IMPEDANCE_MIRROR : DRIVE_IMPEDANCE;
+    const double own_pa = c->target_pa[c->hi / 2], constant_pa = c->axis->pressure_pa;
+    const double constant[] = {constant_pa, constant_pa, constant_pa};
+    double target_pa[] = {own_pa, own_pa, own_pa}; /* of a coupled axis: as it is now */
+    if (c->axis->mode == WALL_STRESS) {
+        target_pa[1] = wallctl_target_pressure_pa(c->axis, 0.5 * (c->start_s + c->end_s));
+        target_pa[2] = wallctl_target_pressure_pa(c->axis, c->end_s);
+    }
+    impedance_wall(c, c->hi, drive, target_pa, command);
     if (mirror)
-        impedance_wall(c, c->lo, drive, wallctl_target_pressure_pa, command);
+        impedance_wall(c, c->lo, drive, target_pa, command);
     else if (c->axis->opposite == OPPOSITE_CONSTANT)
-        impedance_wall(c, c->lo, drive, constant_pressure_pa, command);
+        impedance_wall(c, c->lo, drive, constant, command);
 }
 
 static void stress_pair(const struct pair_control *c, struct wall_command *command)
 {
-    double target_pa = wallctl_target_pressure_pa(c->axis, c->start_s);
-    if (c->scene->coupling.scheme == SCHEME_IMPEDANCE) {
+    double target_pa = c->target_pa[c->hi / 2];
+    if (c->scheme == SCHEME_IMPEDANCE) {
         impedance_pair(c, command);
     } else if (c->axis->opposite == OPPOSITE_MIRROR) {
         stress_mirror(c, target_pa, command);
@@ -145,6 +149,44 @@ static void stress_pair(const struct pair_control *c, struct wall_command *comma
         stress_wall(c, c->hi, 1, target_pa, command);
         if (c->axis->opposite == OPPOSITE_CONSTANT)
             stress_wall(c, c->lo, -1, c->axis->pressure_pa, command);
+    }
+}
+
+/* Lengths of all pairs and their rates at `tau_s` in the interval, of those that do not keep the volume. */
+static void lengths_of(const struct wall_command *command, double tau_s, double *length_m, double *rate_m_per_s)
+{
+    for (int pair = 0; pair < command->n_walls / 2; pair++) {
+        double x[2], v[2];
+        for (int k = 0; k < 2; k++) {
+            const int wall = 2 * pair + k;
+            const double a = command->acceleration_m_per_s2[wall];
+            v[k] = command->velocity_m_per_s[wall] + tau_s * a;
+            x[k] = command->position_m[wall] + tau_s * (command->velocity_m_per_s[wall] + 0.5 * tau_s * a);
+        }
+        length_m[pair] = x[1] - x[0];
+        rate_m_per_s[pair] = v[1] - v[0];
+    }
+}
+
+/* A pair that keeps the volume: the rate that does so at the start, the length at the end. In between the parabola is
+ * off by the third power of the strain in the interval, or 0.15 times the second where a course has a kink. */
+static void volume_pair(const struct pair_control *c, const bool *keeps_volume, struct wall_command *command)
+{
+    const int pairs = command->n_walls / 2, pair = c->hi / 2;
+    const double *start = c->moment->stage_position_m, h = c->interval_s;
+    const bool mirror = c->axis->opposite == OPPOSITE_MIRROR;
+    double start_m[SCENE_AXES], length_m[SCENE_AXES], rate_m_per_s[SCENE_AXES];
+    for (int k = 0; k < pairs; k++)
+        start_m[k] = start[2 * k + 1] - start[2 * k];
+    lengths_of(command, 0, length_m, rate_m_per_s);
+    const struct coupled_length now = coupled_length(keeps_volume, pairs, pair, start_m, length_m, rate_m_per_s);
+    lengths_of(command, h, length_m, rate_m_per_s);
+    const struct coupled_length end = coupled_length(keeps_volume, pairs, pair, start_m, length_m, rate_m_per_s);
+    for (int wall = c->hi; wall >= (mirror ? c->lo : c->hi); wall--) {
+        const double share = mirror ? (wall == c->hi ? 0.5 : -0.5) : 1;
+        const double way_m = start[wall] + share * (end.length_m - start_m[pair]) - c->state->position_m[wall];
+        const double v = share * now.rate_m_per_s;
+        motion_set(command, wall, 1, (struct wall_motion){v, 2 * (way_m - v * h) / (h * h)});
     }
 }
 
@@ -218,11 +260,15 @@ static void command_start(const struct scene *scene, const struct wall_state *st
     int64_t n_steps = scene->coupling.interval_steps;
     if (scene->coupling.scheme == SCHEME_ADAPTIVE)
         n_steps = adaptive_steps(scene, state, moment);
+    if (n_steps > moment->steps_to_look)
+        n_steps = moment->steps_to_look;
     if (n_steps > moment->steps_left)
         n_steps = moment->steps_left;
     *command = (struct wall_command){.step = state->step,
                                      .stage = moment->stage_index,
                                      .finished = n_steps == 0,
+                                     .ended = moment->ended,
+                                     .measure = moment->looks_at_energy && n_steps == moment->steps_to_look,
                                      .n_steps = n_steps > INT_MAX ? INT_MAX : (int)n_steps,
                                      .fraction_done = moment->fraction_done,
                                      .n_walls = state->n_walls};
@@ -265,21 +311,49 @@ static struct wall_state foresee(const struct wall_state *state, const struct wa
     return foreseen;
 }
 
+/* What moves an axis, in the order in which motions follow from each other. */
+enum turn { TURN_STRAIN, TURN_LOOP, TURN_VOLUME, TURNS };
+
+static enum turn turn_of(const struct scene_axis *axis)
+{
+    if (axis->mode == WALL_STRAIN)
+        return TURN_STRAIN;
+    return axis_has_loop(axis) ? TURN_LOOP : axis_keeps_volume(axis) ? TURN_VOLUME : TURNS;
+}
+
+static void move_pair(struct pair_control *c, enum turn turn, const bool *keeps_volume, struct wall_command *command)
+{
+    if (turn == TURN_STRAIN)
+        strain_pair(c, command);
+    else if (turn == TURN_LOOP)
+        stress_pair(c, command);
+    else
+        volume_pair(c, keeps_volume, command);
+}
+
 static void move_walls(struct pair_control *c, struct wall_command *command)
 {
     const int pairs = c->state->n_walls / 2;
-    bool strain[SCENE_AXES] = {false};
-    for (int mode = WALL_STRAIN; mode <= WALL_STRESS; mode++) { /* strain first: stress looks at where it leads */
-        if (mode == WALL_STRESS)
+    const struct scene_axis *axis[SCENE_AXES];
+    bool strain[SCENE_AXES], keeps_volume[SCENE_AXES];
+    for (int pair = 0; pair < pairs; pair++) {
+        axis[pair] = &c->moment->stage->axis[scene_pair_axis(c->scene, pair)];
+        strain[pair] = axis[pair]->mode == WALL_STRAIN;
+        keeps_volume[pair] = axis_keeps_volume(axis[pair]);
+        /* what a drive closes by itself, no other wall can follow */
+        if (keeps_volume[pair] && c->scheme == SCHEME_IMPEDANCE)
+            c->scheme = SCHEME_JACOBIAN;
+    }
+    for (enum turn turn = 0; turn < TURNS; turn++) {
+        if (turn == TURN_LOOP)
             for (int part = 0; part < 2; part++)
                 c->foreseen[part] = foresee(c->state, command, strain, 0.5 * (part + 1) * c->interval_s);
         for (int pair = 0; pair < pairs; pair++) {
-            c->axis = &c->moment->stage->axis[scene_pair_axis(c->scene, pair)];
+            c->axis = axis[pair];
             c->lo = 2 * pair;
             c->hi = 2 * pair + 1;
-            strain[pair] = strain[pair] || c->axis->mode == WALL_STRAIN;
-            if (c->axis->mode == mode)
-                (mode == WALL_STRAIN ? strain_pair : stress_pair)(c, command);
+            if (turn_of(c->axis) == turn)
+                move_pair(c, turn, keeps_volume, command);
         }
     }
 }
@@ -293,11 +367,16 @@ enum status wallctl_law(const struct scene *scene, const struct wall_state *told
     if (told->command_step > told->step && (command->finished || command->stage != told->stage)) {
         command->finished = false; /* a stage, and the end of the protocol, begin with a state of their own */
         command->stage = told->stage;
+        command->ended = STAGE_END_NONE;
         command->n_steps = 0;
     }
     if (command->n_steps == 0)
         return STATUS_OK;
+    double target_pa[SCENE_AXES];
+    TRY(coupled_targets(scene, moment.stage, &state, (double)moment.stage_step * moment.stage->dt_s, target_pa));
     struct pair_control c = {.scene = scene,
+                             .target_pa = target_pa,
+                             .scheme = scene->coupling.scheme,
                              .state = &state,
                              .moment = &moment,
                              .start_s = (double)moment.stage_step * moment.stage->dt_s,

@@ -11,18 +11,14 @@ struct moment {
     int stage_index;
     int64_t stage_step;             /* steps done in it */
     int64_t steps_left;             /* 0: the protocol is finished */
+    int64_t steps_to_look;          /* until the conditions of the stage are looked at */
+    bool looks_at_energy;           /* and the energies are wanted then */
+    enum stage_end ended;           /* of the stage before, if one ends at this moment */
     const double *stage_position_m; /* [n_walls] at the start of the stage; points into the state */
     double fraction_done;           /* of scene_total_time_s; a stage that ended early counts in full */
 };
 
 /* The moment at which `state` (already checked) stands: in its stage, or at the start of the next if it is over. */
 struct moment protocol_moment(const struct scene *scene, const struct wall_state *state);
-
-/* Steps of a stage that no condition ends: duration_s/dt_s rounded, at least 1; rounded up where duration_s is a whole
- * number of stress cycles, so that none is cut short. */
-int64_t protocol_stage_steps(const struct scene_stage *stage);
-
-/* Area [m^2] of the walls of a pair: the product of the other box lengths; 2D has a depth of 1 m. */
-double walls_area_m2(const struct wall_state *state, int pair);
 
 #endif

@@ -73,6 +73,8 @@ static enum status command_compare(const struct wall_command *recorded, const st
     int n = now->n_walls;
     TRY(integer_compare(step, "stage", recorded->stage, now->stage));
     TRY(integer_compare(step, "finished", recorded->finished, now->finished));
+    TRY(integer_compare(step, "ended", recorded->ended, now->ended));
+    TRY(integer_compare(step, "measure", recorded->measure, now->measure));
     TRY(integer_compare(step, "n_steps", recorded->n_steps, now->n_steps));
     TRY(integer_compare(step, "n_walls", recorded->n_walls, n));
     TRY(doubles_compare(step, "fraction_done", &recorded->fraction_done, &now->fraction_done, 1));

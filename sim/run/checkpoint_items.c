@@ -65,6 +65,7 @@ static const struct entry members[] = {
     PROGRESS(has_command, I32),
     PROGRESS(command.step, I64),
     PROGRESS(command.stage, I32),
+    PROGRESS(command.measure, I32),
     PROGRESS(command.n_steps, I32),
     PROGRESS(command.fraction_done, F64),
     PROGRESS(command.n_walls, I32),

@@ -99,7 +99,7 @@ enum status records_send_start(struct records *records, const struct sample *sam
     FILE *out = open_memstream(&effective, &size);
     if (!out)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    scene_print(out, sample->scene);
+    scene_print_short(out, sample->scene);
     enum status status = STATUS_NO_MEMORY;
     if (fclose(out) == 0)
         status = send_run_info(records, sample, resumed, effective);
@@ -148,6 +148,7 @@ static enum status send_sample(struct records *records, const struct sample *sam
     const int dim = sample->particles.dimension;
     shakedown_sample_t message = {
         .stage = sample->stage,
+        .stage_end_before = sample->stage_step == 0 ? records->stage_end : 0,
         .stage_time_s = (double)sample->stage_step * sample->dt,
         .dimension = dim,
         .box_length_m = m->box_length_m,
@@ -344,6 +345,7 @@ enum status records_send_end(struct records *records, struct complete_sample who
         .status = why,
         .reason = (char *)(why == STATUS_OK ? "" : status_message()),
         .state_hash = (int64_t)sample_hash(whole),
+        .stage_end = why == STATUS_OK ? records->stage_end : 0,
         .elapsed_s = totals->elapsed_s,
         .n_channels = RECORD_CHANNELS,
         .channel = (char **)record_channel_name,

@@ -11,6 +11,7 @@ struct records {
     int64_t run_id;
     int32_t n_frames;                          /* frames sent so far */
     int64_t last_sample_step, last_frame_step; /* -1: none */
+    int32_t stage_end;                         /* enum stage_end of the stage that ended last */
     double residual_ratio;                     /* of the last sample: ledger residual over work of walls and gravity */
 };
 

@@ -47,17 +47,25 @@ static enum status steps(struct run *run, int n)
     return STATUS_OK;
 }
 
+/* What the controller wanted to know at the end of the interval; sim decides nothing by it. */
+static void measure_energies(struct run *run)
+{
+    run->energies = (struct run_energies){energy_held(sample_complete(run->sample)), run->sample->step};
+}
+
 /* One interval. Pipelined: the command for the next one is asked for at its start and comes meanwhile. */
 static enum status interval(struct run *run, struct wall_state *state)
 {
     const bool ahead = run->scene->coupling.scheme == SCHEME_PIPELINED;
-    const int n = run->command.n_steps;
+    const int n = run->command.n_steps, wanted = run->command.measure;
     run->has_command = false;
     if (ahead) {
         sample_wall_state_ahead(run->sample, state);
         TRY(ask(run, state));
     }
     TRY(steps(run, n));
+    if (wanted)
+        measure_energies(run);
     if (!ahead)
         return STATUS_OK;
     TRY(exchange_answer(&run->exchange, &run->command));
@@ -96,6 +104,8 @@ static enum status loop(struct run *run)
             TRY(run_record_stage_end(run));
             TRY(run_checkpoint(run, true));
         }
+        if (changes)
+            run->records.stage_end = command->ended;
         if (command->finished)
             return STATUS_OK;
         TRY(sample_command(run->sample, command));

@@ -96,6 +96,7 @@ void run_resume_progress(struct run *run)
     const struct run_progress *before = &run->before;
     run->fraction_done = before->fraction_done;
     run->energies = (struct run_energies){{before->kinetic_j, before->elastic_j}, before->energy_step};
+    run->sampled = run->energies.held;
     run->frame_strain_next = (int)before->frame_strain_next;
     run->exchange.seq = before->exchanges;
     run->exchange.repeated = before->commands_repeated;

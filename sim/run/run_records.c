@@ -21,8 +21,7 @@ static int64_t steps_in(const struct run *run, double every_s)
 static enum status take_sample(struct run *run)
 {
     const struct complete_sample whole = sample_complete(run->sample);
-    struct held_energy *held = &run->energies.held;
-    run->energies.step = run->sample->step;
+    struct held_energy *held = &run->sampled;
     if (run->stream) {
         struct measurement m;
         TRY(measure(whole, &m));

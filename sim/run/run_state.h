@@ -25,7 +25,8 @@ struct run {
     struct records records;
     struct exchange exchange;
     double fraction_done;
-    struct run_energies energies;    /* for the controller's conditions */
+    struct run_energies energies;    /* measured when the controller wants them */
+    struct held_energy sampled;      /* of the last sample, for people */
     struct time_remaining remaining; /* of the stage */
     int frame_strain_next;           /* index in frame_strains */
     double start_s, status_s;
