@@ -420,7 +420,7 @@ case_private() {
 case_odd_names() {
     local name=$'-a b\'q"o$t`e\nfüß?h&=x#%2;'
     mkdir real
-    ln -s real "$name"
+    ln -s -- real "./$name"
     shakedown run "$quick" --out "$name"
     expect_code 0 $?
     expect_attribute real/run.h5 complete 1
