@@ -97,7 +97,7 @@ char **role_command(const struct launch *launch, enum role role, bool resume)
         break;
     case ROLE_CONVERTER: /* in the run's folder, for the same reason */
         add_program(words, launch, "recorder/recorder");
-        add(words, "--from", "run.lcm", "--out", ".", NULL);
+        add(words, "--from", "run.lcm", "--out", ".", "--replace", NULL);
         break;
     default:
         add_program(words, launch, "analyzer/analyzer");

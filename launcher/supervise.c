@@ -401,18 +401,6 @@ static void supervise(struct supervisor *s)
 
 /* --- Parts of a run --- */
 
-/* It is made from the log again. */
-static void remove_record(const struct launch *launch)
-{
-    static const char *const names[] = {"run.h5", "run.xdmf"};
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-        char *path = run_folder_file(&launch->folder, names[k]);
-        if (unlink(path) != 0 && errno != ENOENT)
-            say("warning: %s cannot be removed: %s", path, strerror(errno));
-        g_free(path);
-    }
-}
-
 static void end_watch(struct supervisor *s)
 {
     struct child *watch = &s->child[ROLE_WATCH];
@@ -476,7 +464,6 @@ static void run_in_process(struct supervisor *s)
                             after.changed.tv_nsec == before.changed.tv_nsec))
         return;
     begin_part(s);
-    remove_record(s->launch);
     start_or_fail(s, ROLE_CONVERTER, false);
     supervise(s);
 }
@@ -512,7 +499,8 @@ static int evaluate(struct supervisor *s)
         report_way_on(&s->launch->folder);
         return status_exit_code(STATUS_INTERRUPTED);
     }
-    if (s->failure == 0)
+    /* A result that failed its checks is there all the same. */
+    if (s->failure == 0 || s->failure == status_exit_code(STATUS_LIMIT))
         printf("results: %s\n", s->launch->folder.path);
     return s->failure;
 }
