@@ -76,12 +76,14 @@ static void residual_check(struct judgement *judgement, const struct run *run, i
             100 * residual, 100 * judgement_residual_doubtful);
 }
 
-static void overlap_check(struct judgement *judgement, const struct run *run, int stage, size_t begin, size_t end)
+/* Of a stage before the one that is evaluated no result is taken: a note, whatever the size. */
+static void overlap_check(struct judgement *judgement, const struct run *run, int stage, size_t begin, size_t end,
+                          bool evaluated)
 {
     double largest = 0;
     for (size_t k = begin; k < end; k++)
         largest = fmax(largest, *run_record(run, OBSERVABLE_MAX_OVERLAP_RATIO, k));
-    const enum worth severity = largest > judgement_overlap_failed ? WORTH_FAILED : WORTH_SOUND;
+    const enum worth severity = evaluated && largest > judgement_overlap_failed ? WORTH_FAILED : WORTH_SOUND;
     if (largest > judgement_overlap_note && already(run, stage_name(run, stage)) < (int)severity)
         add(judgement, stage_name(run, stage), severity,
             "overlaps of up to %.3g %% of the smaller radius (note from %g %%, failed from %g %%): stiffer contacts or "
@@ -171,7 +173,7 @@ static void stage_check(struct judgement *judgement, const struct run *run, int 
     if (begin == end)
         return;
     residual_check(judgement, run, stage, begin, end);
-    overlap_check(judgement, run, stage, begin, end);
+    overlap_check(judgement, run, stage, begin, end, evaluated);
     if (!evaluated)
         return;
     rest_check(judgement, run, stage, begin);

@@ -91,6 +91,20 @@ static void bounds(void **state)
     }
 }
 
+/* Preparation may be violent: 50 % in the first stage alone is a note. */
+static void violent_preparation(void **state)
+{
+    struct run run;
+    (void)state;
+    model(&run);
+    for (size_t i = 0; i < 5; i++)
+        fixture_set(&run, OBSERVABLE_MAX_OVERLAP_RATIO, i, 0, 0.5);
+    const struct judgement *judgement = judged(&run);
+    assert_int_equal(judgement->verdict, WORTH_SOUND);
+    assert_string_equal(find(judgement, "50 % of the smaller radius")->stage, "relax");
+    run_free(&run);
+}
+
 /* sigma_xx of 525 where 500 is asked for: 5 % in the mean and at most. */
 static void off_target(void **state)
 {
@@ -206,6 +220,7 @@ int main(void)
         cmocka_unit_test(sound),
         cmocka_unit_test(bounds),
         cmocka_unit_test(off_target),
+        cmocka_unit_test(violent_preparation),
         cmocka_unit_test(interrupted),
         cmocka_unit_test(cut_is_not_evaluated),
         cmocka_unit_test(notes_of_the_simulator),
