@@ -5,6 +5,7 @@
 
 #include "analyzer/compression.h"
 #include "analyzer/held.h"
+#include "analyzer/shakedown.h"
 #include "analyzer/shear.h"
 #include "analyzer/undrained.h"
 
@@ -81,6 +82,7 @@ static enum status evaluate_kind(struct analysis *analysis)
         return STATUS_OK;
     case TEST_CYCLIC:
         TRY(cycles_evaluate(&analysis->cycles, curves));
+        shakedown_classify(&analysis->cycles, curves, analysis->run.scene->analysis.negligible_rate);
         cycles_quantities(&analysis->cycles, curves, analysis->quantity);
         return STATUS_OK;
     default:
@@ -121,6 +123,9 @@ static void unfinished(struct analysis *analysis)
         if (!is_known(&analysis->curves, (enum quantity_id)k, &analysis->quantity[k]))
             quantity_undefined(&analysis->quantity[k], "the stage did not end: %.100s", analysis->judgement.headline);
     analysis->cycles.verdict = VERDICT_UNDETERMINED;
+    analysis->cycles.confidence = NAN;
+    analysis->cycles.range = '?';
+    snprintf(analysis->cycles.criterion, sizeof analysis->cycles.criterion, "the stage did not end");
 }
 
 static enum status evaluate(struct analysis *analysis)

@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double collapse_strain = 0.1;
-static const double two_sigma = 0.97725; /* one-sided probability of the normal distribution at 2 sigma */
+static const double liquefied = 0.95; /* r_u */
 
 static double period_of(const struct curves *curves)
 {
@@ -56,34 +55,73 @@ static struct vertex vertex_at(const struct curves *curves, double t)
     return v;
 }
 
-/* Area, resilient modulus and damping of one cycle. */
+/* What a cycle spans, strains without their linear drift in it. */
+struct spans {
+    struct extent eps_d, eps_c, sigma, q;
+};
+
+static void spans_extend(struct spans *spans, const struct vertex *start, const struct vertex *stop,
+                         const struct vertex *v)
+{
+    const double share = (v->t - start->t) / (stop->t - start->t);
+    extend(&spans->eps_d, v->eps_d - start->eps_d - (stop->eps_d - start->eps_d) * share);
+    extend(&spans->eps_c, v->eps_c - start->eps_c - (stop->eps_c - start->eps_c) * share);
+    extend(&spans->sigma, v->sigma_d);
+    extend(&spans->q, v->q);
+}
+
+static double length(const struct extent *extent)
+{
+    return extent->highest - extent->lowest;
+}
+
+static void moduli_set(struct cycle *cycle, const struct spans *spans, double area)
+{
+    const double elastic = length(&spans->sigma) * length(&spans->eps_d) / 8;
+    cycle->loop_area_j_per_m3 = area;
+    cycle->amplitude = length(&spans->eps_d);
+    if (elastic > 0)
+        cycle->damping_ratio = fabs(area) / (4 * M_PI * elastic);
+    if (length(&spans->eps_c) > 0)
+        cycle->secant_e_pa = length(&spans->q) / length(&spans->eps_c);
+    if (length(&spans->eps_d) > 0)
+        cycle->secant_g_pa = length(&spans->q) / (2 * length(&spans->eps_d));
+}
+
+/* Area, moduli and damping of one cycle. */
 static void loop_measure(const struct curves *curves, double t0, double t1, struct cycle *cycle)
 {
     size_t begin, end;
     inner_samples(curves, t0, t1, &begin, &end);
     cycle->loop_area_j_per_m3 = cycle->resilient_modulus_pa = cycle->damping_ratio = NAN;
+    cycle->secant_e_pa = cycle->secant_g_pa = cycle->amplitude = NAN;
     if (end < begin + CYCLES_LOOP_MIN)
         return;
     struct vertex start = vertex_at(curves, t0), stop = vertex_at(curves, t1), before = start;
-    struct extent eps = {0, 0}, sigma = {start.sigma_d, start.sigma_d};
-    double area = 0, eps_c_max = start.eps_c, q_max = start.q;
+    struct spans spans = {.sigma = {start.sigma_d, start.sigma_d}, .q = {start.q, start.q}};
+    double area = 0, eps_c_max = start.eps_c;
     for (size_t k = begin; k <= end; k++) {
         struct vertex v = k < end ? vertex_at(curves, curves->column[CURVE_STAGE_TIME][k]) : stop;
         area += (v.sigma_d + before.sigma_d) / 2 * (v.eps_d - before.eps_d);
-        extend(&eps, v.eps_d - start.eps_d - (stop.eps_d - start.eps_d) * (v.t - t0) / (t1 - t0));
-        extend(&sigma, v.sigma_d);
+        spans_extend(&spans, &start, &stop, &v);
         eps_c_max = fmax(eps_c_max, v.eps_c);
-        q_max = fmax(q_max, v.q);
         before = v;
     }
     /* back along the straight line from the end to the start */
     area -= (stop.sigma_d + start.sigma_d) / 2 * (stop.eps_d - start.eps_d);
-    double elastic = (sigma.highest - sigma.lowest) * (eps.highest - eps.lowest) / 8;
-    cycle->loop_area_j_per_m3 = area;
-    if (elastic > 0)
-        cycle->damping_ratio = area / (4 * M_PI * elastic);
+    moduli_set(cycle, &spans, area);
     if (eps_c_max > stop.eps_c)
-        cycle->resilient_modulus_pa = (q_max - stop.q) / (eps_c_max - stop.eps_c);
+        cycle->resilient_modulus_pa = (spans.q.highest - stop.q) / (eps_c_max - stop.eps_c);
+}
+
+static void pressure_measure(const struct curves *curves, double t0, double t1, struct cycle *cycle)
+{
+    const double p0 = curves->column[CURVE_P][0];
+    size_t begin, end;
+    inner_samples(curves, t0, t1, &begin, &end);
+    cycle->r_u = p0 > 0 ? at_time(curves, CURVE_U, t1) / p0 : NAN;
+    for (size_t k = begin; k < end && p0 > 0; k++)
+        cycle->r_u = fmax(cycle->r_u, curves->column[CURVE_U][k] / p0);
 }
 
 static void cycles_measure(struct cycles *cycles, const struct curves *curves)
@@ -99,120 +137,10 @@ static void cycles_measure(struct cycles *cycles, const struct curves *curves)
         eps_d = cycle->eps_d;
         eps_v = cycle->eps_v;
         loop_measure(curves, t0, t1, cycle);
+        pressure_measure(curves, t0, t1, cycle);
+        if (cycle->r_u >= liquefied && !cycles->to_liquefaction)
+            cycles->to_liquefaction = k + 1;
     }
-}
-
-/* Mean gain per cycle over cycles [begin, end), deviatoric or volumetric. */
-static struct estimate mean_rate(const struct cycles *cycles, size_t begin, size_t end, bool volumetric)
-{
-    double mean = 0, sum = 0, count = (double)(end - begin);
-    for (size_t k = begin; k < end; k++)
-        mean += (volumetric ? cycles->cycle[k].rate_v : cycles->cycle[k].rate_d) / count;
-    for (size_t k = begin; k < end; k++) {
-        double off = (volumetric ? cycles->cycle[k].rate_v : cycles->cycle[k].rate_d) - mean;
-        sum += off * off;
-    }
-    return (struct estimate){mean, sqrt(sum / (count - 1) / count)};
-}
-
-/* |rate| ~ N^m from the means of the third and fourth quarter: m = ln(r4/r3)/ln(N4/N3), N the middles. A mean over a
- * quarter, unlike the logarithm of each rate, takes rates that scatter around zero. */
-static struct estimate rate_exponent(const struct cycles *cycles, size_t begin, size_t middle)
-{
-    struct estimate third = mean_rate(cycles, begin, middle, false);
-    struct estimate fourth = mean_rate(cycles, middle, cycles->n, false);
-    double span = log(((double)(middle + cycles->n) + 1) / ((double)(begin + middle) + 1));
-    double ratio = fourth.value / third.value;
-    if (!(ratio > 0))
-        return (struct estimate){NAN, NAN};
-    return (struct estimate){log(ratio) / span, hypot(third.error / third.value, fourth.error / fourth.value) / span};
-}
-
-/* ln |eps_D| = ln a + b ln N by least squares; every cycle weighs the same in ln N. */
-static void power_law(struct cycles *cycles)
-{
-    cycles->factor = cycles->power = (struct estimate){NAN, NAN};
-    double *x = malloc(3 * cycles->n * sizeof *x), *y = x + cycles->n, *w = y + cycles->n, c[FIT_DEGREE_MAX + 1];
-    if (!x)
-        return;
-    bool good = true;
-    for (size_t k = 0; k < cycles->n; k++) {
-        x[k] = log((double)(k + 1));
-        y[k] = log(fabs(cycles->cycle[k].eps_d));
-        good = good && isfinite(y[k]);
-    }
-    statistics_weights(x, w, cycles->n);
-    struct points points = {x, w, cycles->n};
-    if (good && statistics_slope(&points, y, &cycles->power) && statistics_polynomial(&points, y, 0, 0, 1, 0, c))
-        cycles->factor.value = exp(c[0]);
-    free(x);
-}
-
-/* P(estimate > bound) by Student's t; certain where there is no scatter at all. */
-static double probability_above(struct estimate estimate, double bound, double dof)
-{
-    double off = estimate.value - bound;
-    if (!(estimate.error > 1e-12 * fabs(off)))
-        return off > 0 ? 1 : off < 0 ? 0 : 0.5;
-    return statistics_student_cdf(off / estimate.error, dof);
-}
-
-static void decide(struct cycles *cycles, enum cycles_verdict verdict, double confidence, const char *criterion)
-{
-    cycles->verdict = verdict;
-    cycles->confidence = confidence;
-    snprintf(cycles->criterion, sizeof cycles->criterion, "%s", criterion);
-}
-
-static bool strain_exceeded(const struct cycles *cycles)
-{
-    for (size_t k = 0; k < cycles->n; k++)
-        if (fabs(cycles->cycle[k].eps_d) >= collapse_strain)
-            return true;
-    return false;
-}
-
-static void classify(struct cycles *cycles)
-{
-    double dof = (double)(cycles->last - cycles->first);
-    double positive = probability_above(cycles->rate_d, 0, dof), nonzero = fmax(positive, 1 - positive);
-    double growing = probability_above(cycles->exponent, 0, dof),
-           decaying = 1 - probability_above(cycles->exponent, -1, dof);
-    double growth = exp(cycles->exponent.value * log(7.0 / 5)); /* of the rate from the third to the fourth quarter */
-    if (strain_exceeded(cycles))
-        decide(cycles, VERDICT_COLLAPSE, 1, "the accumulated strain reached 0.1");
-    else if (nonzero < two_sigma)
-        decide(cycles, VERDICT_SHAKEDOWN, 2 * (1 - nonzero),
-               "rate over the second half not distinguishable from 0 at 2 sigma; confidence is its two-sided p-value");
-    else if (isnan(cycles->exponent.value))
-        decide(cycles, VERDICT_SHAKEDOWN, 0.5, "the rate changes sign within the second half");
-    else if (growth > 2 && growing >= two_sigma)
-        decide(cycles, VERDICT_COLLAPSE, growing, "the rate grows, and more than doubles within the second half");
-    else if (decaying >= two_sigma)
-        decide(cycles, VERDICT_SHAKEDOWN, decaying,
-               "the rate falls faster than 1/N at 2 sigma: the strain stays bounded");
-    else
-        decide(cycles, VERDICT_RATCHETING, fmin(nonzero, 1 - decaying),
-               "rate over the second half differs from 0 at 2 sigma and does not fall faster than 1/N");
-}
-
-static void trends(struct cycles *cycles)
-{
-    size_t begin = cycles->n / 2, middle = begin + (cycles->n - begin) / 2;
-    cycles->first = begin + 1;
-    cycles->last = cycles->n;
-    cycles->rate_d = cycles->rate_v = cycles->exponent = (struct estimate){NAN, NAN};
-    power_law(cycles);
-    if (cycles->n < CYCLES_MIN) {
-        decide(cycles, VERDICT_UNDETERMINED, NAN, strain_exceeded(cycles) ? "" : "too few cycles to tell");
-        if (strain_exceeded(cycles))
-            decide(cycles, VERDICT_COLLAPSE, 1, "the accumulated strain reached 0.1");
-        return;
-    }
-    cycles->rate_d = mean_rate(cycles, begin, cycles->n, false);
-    cycles->rate_v = mean_rate(cycles, begin, cycles->n, true);
-    cycles->exponent = rate_exponent(cycles, begin, middle);
-    classify(cycles);
 }
 
 enum status cycles_evaluate(struct cycles *cycles, const struct curves *curves)
@@ -230,7 +158,6 @@ enum status cycles_evaluate(struct cycles *cycles, const struct curves *curves)
     if (!cycles->cycle)
         return status_fail(STATUS_NO_MEMORY, "out of memory for %zu cycles", cycles->n);
     cycles_measure(cycles, curves);
-    trends(cycles);
     return STATUS_OK;
 }
 
@@ -265,12 +192,28 @@ static void rate_quantity(const struct cycles *cycles, struct estimate estimate,
                           struct quantity *quantity)
 {
     if (isnan(estimate.value)) {
-        quantity_undefined(quantity, cycles->n < CYCLES_MIN ? "fewer than %d cycles" : "the sign of the strain changes",
-                           CYCLES_MIN);
+        quantity_undefined(quantity, "too few cycles, or the sign of the strain changes");
         return;
     }
     quantity_set(quantity, estimate);
     quantity_window(quantity, (double)first, (double)cycles->last);
+}
+
+static void pressure_quantities(const struct cycles *cycles, const struct curves *curves, struct quantity *q)
+{
+    double largest = -INFINITY;
+    for (size_t k = 0; k < cycles->n; k++)
+        largest = fmax(largest, cycles->cycle[k].r_u);
+    if (!curves->controls.volume_kept) {
+        quantity_undefined(&q[QUANTITY_CYCLES_R_U], "the volume is not kept");
+        quantity_undefined(&q[QUANTITY_CYCLES_LIQUEFACTION], "the volume is not kept");
+        return;
+    }
+    quantity_set(&q[QUANTITY_CYCLES_R_U], (struct estimate){largest, NAN});
+    if (cycles->to_liquefaction)
+        quantity_set(&q[QUANTITY_CYCLES_LIQUEFACTION], (struct estimate){(double)cycles->to_liquefaction, NAN});
+    else
+        quantity_undefined(&q[QUANTITY_CYCLES_LIQUEFACTION], "r_u stays below %g", liquefied);
 }
 
 void cycles_quantities(const struct cycles *cycles, const struct curves *curves, struct quantity *q)
@@ -295,13 +238,10 @@ void cycles_quantities(const struct cycles *cycles, const struct curves *curves,
     rate_quantity(cycles, cycles->power, 1, &q[QUANTITY_CYCLES_ACCUMULATION_EXPONENT]);
     loop_quantity(cycles, offsetof(struct cycle, loop_area_j_per_m3), &q[QUANTITY_CYCLES_LOOP_AREA]);
     loop_quantity(cycles, offsetof(struct cycle, resilient_modulus_pa), &q[QUANTITY_CYCLES_RESILIENT_MODULUS]);
+    loop_quantity(cycles, offsetof(struct cycle, secant_e_pa), &q[QUANTITY_CYCLES_SECANT_E]);
+    loop_quantity(cycles, offsetof(struct cycle, secant_g_pa), &q[QUANTITY_CYCLES_SECANT_G]);
+    pressure_quantities(cycles, curves, q);
     loop_quantity(cycles, offsetof(struct cycle, damping_ratio), &q[QUANTITY_CYCLES_DAMPING_RATIO]);
-}
-
-const char *cycles_verdict_name(enum cycles_verdict verdict)
-{
-    static const char *const names[] = {NULL, "shakedown", "ratcheting", "collapse"};
-    return names[verdict];
 }
 
 enum status cycles_write_csv(const struct cycles *cycles, const char *path)
@@ -309,12 +249,13 @@ enum status cycles_write_csv(const struct cycles *cycles, const char *path)
     FILE *out = fopen(path, "w");
     if (!out)
         return status_fail(STATUS_IO, "%s: %s", path, strerror(errno));
-    fprintf(out, "cycle,eps_d,eps_v,rate_d,rate_v,loop_area_j_per_m3,resilient_modulus_pa,damping_ratio\n");
+    fprintf(out, "cycle,eps_d,eps_v,rate_d,rate_v,loop_area_j_per_m3,resilient_modulus_pa,damping_ratio,secant_e_pa,"
+                 "secant_g_pa,amplitude,r_u\n");
     for (size_t k = 0; k < cycles->n; k++) {
         const struct cycle *cycle = &cycles->cycle[k];
-        fprintf(out, "%zu,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g\n", k + 1, cycle->eps_d, cycle->eps_v,
-                cycle->rate_d, cycle->rate_v, cycle->loop_area_j_per_m3, cycle->resilient_modulus_pa,
-                cycle->damping_ratio);
+        fprintf(out, "%zu,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g\n", k + 1, cycle->eps_d,
+                cycle->eps_v, cycle->rate_d, cycle->rate_v, cycle->loop_area_j_per_m3, cycle->resilient_modulus_pa,
+                cycle->damping_ratio, cycle->secant_e_pa, cycle->secant_g_pa, cycle->amplitude, cycle->r_u);
     }
     int failed = ferror(out); /* sticky: covers every write above */
     if (fclose(out) != 0 || failed)

@@ -20,7 +20,10 @@ struct cycle {
     double loop_area_j_per_m3;   /* area of the loop, closed by a straight line: loss per cycle and volume */
     double resilient_modulus_pa; /* (max - end of sigma_c - sigma_o) over (max - end of eps_c): the strain that comes
                                     back */
-    double damping_ratio;        /* area/(4 pi W), W = (peak to peak sigma_D)(peak to peak eps_D without drift)/8 */
+    double secant_e_pa, secant_g_pa; /* peak to peak: q over eps_zz, q over 2 (eps_zz - eps_xx), without their drift */
+    double amplitude;                /* of eps_D, peak to peak, without its drift */
+    double r_u;                      /* largest (p0 - p)/p0 in it, p0 of the stage's start */
+    double damping_ratio;            /* area/(4 pi W), W = (peak to peak sigma_D)(peak to peak eps_D without drift)/8 */
 };
 
 struct cycles {
@@ -32,26 +35,24 @@ struct cycles {
     size_t first, last;     /* cycles (from 1) the rate is taken over: the second half */
     struct estimate rate_d; /* mean gain of eps_D per cycle there */
     struct estimate rate_v;
-    struct estimate exponent;      /* m of |rate| ~ N^m there */
+    struct estimate exponent;      /* m of |rate| ~ N^m over the last three quarters, regression in double logarithm */
+    double negligible;             /* rate below which there is no practical meaning */
+    char range;                    /* of Werkmeister: 'A', 'B', 'C', or '?' */
+    char range_criterion[200];     /* what decided that */
+    size_t to_liquefaction;        /* first cycle with r_u of 0.95; 0: none */
     struct estimate factor, power; /* a, b of |eps_D(N)| = a N^b over all cycles, in double logarithm */
 };
 
-enum { CYCLES_MIN = 8, CYCLES_LOOP_MIN = 8 };
+enum { CYCLES_LOOP_MIN = 8 };
 
-/* Evaluates a stage of kind TEST_CYCLIC; of another kind, or with no finished cycle, gives n = 0. The verdict needs
- * CYCLES_MIN cycles and is, in this order,
- *   collapse:   |eps_D| reached 0.1, or the rate grows: exponent > 0 at 2 sigma and last quarter twice the one before;
- *   shakedown:  the rate is not distinguishable from 0 at 2 sigma, or it falls faster than 1/N at 2 sigma (then the
- * strain stays bounded); ratcheting: any other. Release with cycles_free. STATUS_NO_MEMORY. */
+/* Measures the finished cycles of a stage of kind TEST_CYCLIC; of another kind, or with no finished cycle, gives n = 0.
+ * Trends and verdict are for shakedown.h. Release with cycles_free. STATUS_NO_MEMORY. */
 enum status cycles_evaluate(struct cycles *cycles, const struct curves *curves) MUST_USE;
 
 void cycles_free(struct cycles *cycles);
 
 /* Fills the cycles.* of quantities[QUANTITIES]; with n = 0 they are undefined. */
 void cycles_quantities(const struct cycles *cycles, const struct curves *curves, struct quantity *quantities);
-
-/* "shakedown" ...; NULL for VERDICT_UNDETERMINED. */
-const char *cycles_verdict_name(enum cycles_verdict verdict);
 
 /* One line per cycle. STATUS_IO. */
 enum status cycles_write_csv(const struct cycles *cycles, const char *path) MUST_USE;

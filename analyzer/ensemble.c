@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "analyzer/report_json.h"
+#include "analyzer/shakedown.h"
 
 enum status ensemble_add(struct ensemble *ensemble, const struct analysis *analysis)
 {
@@ -13,7 +14,7 @@ enum status ensemble_add(struct ensemble *ensemble, const struct analysis *analy
         return status_fail(STATUS_NO_MEMORY, "out of memory for %zu runs", ensemble->n + 1);
     ensemble->member = grown;
     struct ensemble_member *member = &grown[ensemble->n++];
-    const char *verdict = cycles_verdict_name(analysis->cycles.verdict);
+    const char *verdict = analysis->cycles.n > 0 ? shakedown_verdict_name(analysis->cycles.verdict) : NULL;
     memset(member, 0, sizeof *member);
     snprintf(member->directory, sizeof member->directory, "%s", analysis->directory);
     snprintf(member->name, sizeof member->name, "%s", analysis->run.name);

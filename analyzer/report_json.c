@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "analyzer/shakedown.h"
+
 json_t *report_json_number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
@@ -81,24 +83,31 @@ static json_t *notes_json(const struct judgement *judgement)
 
 static json_t *cycle_json(const struct cycle *cycle, size_t number)
 {
-    return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "cycle", (json_int_t)number, "eps_d",
-                     report_json_number(cycle->eps_d), "eps_v", report_json_number(cycle->eps_v), "rate_d",
+    return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "cycle", (json_int_t)number,
+                     "eps_d", report_json_number(cycle->eps_d), "eps_v", report_json_number(cycle->eps_v), "rate_d",
                      report_json_number(cycle->rate_d), "rate_v", report_json_number(cycle->rate_v),
                      "loop_area_j_per_m3", report_json_number(cycle->loop_area_j_per_m3), "resilient_modulus_pa",
                      report_json_number(cycle->resilient_modulus_pa), "damping_ratio",
-                     report_json_number(cycle->damping_ratio));
+                     report_json_number(cycle->damping_ratio), "secant_e_pa", report_json_number(cycle->secant_e_pa),
+                     "secant_g_pa", report_json_number(cycle->secant_g_pa), "amplitude",
+                     report_json_number(cycle->amplitude), "r_u", report_json_number(cycle->r_u));
 }
 
 /* The parts of "cycles" that are no quantities. */
 static int cycles_set(json_t *root, const struct cycles *cycles)
 {
-    const char *verdict = cycles_verdict_name(cycles->verdict);
+    const char *verdict = shakedown_verdict_name(cycles->verdict);
+    const char range[2] = {cycles->range, 0};
     json_t *list = json_array();
     int failed = 0;
     for (size_t k = 0; k < cycles->n; k++)
         failed |= json_array_append_new(list, cycle_json(&cycles->cycle[k], k + 1));
     failed |= report_json_set(root, "cycles.count", json_integer((json_int_t)cycles->n));
-    failed |= report_json_set(root, "cycles.classification", verdict ? json_string(verdict) : json_null());
+    failed |= report_json_set(root, "cycles.classification", json_string(verdict));
+    failed |= report_json_set(root, "cycles.werkmeister_range",
+                              cycles->range == '?' ? json_string("undetermined") : json_string(range));
+    failed |= report_json_set(root, "cycles.werkmeister_criterion", json_string(cycles->range_criterion));
+    failed |= report_json_set(root, "cycles.negligible_rate", report_json_number(cycles->negligible));
     failed |= report_json_set(root, "cycles.confidence", report_json_number(cycles->confidence));
     failed |= report_json_set(root, "cycles.criterion", json_string(cycles->criterion));
     failed |= report_json_set(root, "cycles.per_cycle", list);

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "analyzer/shakedown.h"
+
 /* "123.4 +- 5.6" with the digits the uncertainty supports; "-" if undefined. */
 static void value_text(const struct quantity *quantity, char *text, size_t size)
 {
@@ -60,11 +62,24 @@ static void legend_print(FILE *out, const struct analysis *analysis)
     fprintf(out, "           value +- u: +- 2u is meant to hold the truth in 95 %% of runs of this sample\n");
 }
 
+/* Both classifications, by name. */
+static void classes_print(FILE *out, const struct cycles *cycles)
+{
+    const char range[] = {cycles->range, '\0'};
+    char confidence[48] = "";
+    if (isfinite(cycles->confidence))
+        snprintf(confidence, sizeof confidence, "confidence %.3f; ", cycles->confidence);
+    fprintf(out, "  %-34s %12s (%s%zu cycles; %s)\n", "cycles.classification", shakedown_verdict_name(cycles->verdict),
+            confidence, cycles->n, cycles->criterion);
+    fprintf(out, "  %-34s %12s (%s)\n", "cycles.werkmeister_range", cycles->range == '?' ? "undetermined" : range,
+            cycles->range_criterion);
+}
+
 void report_table_print(FILE *out, const struct analysis *analysis)
 {
     const struct run *run = &analysis->run;
     const struct curves *curves = &analysis->curves;
-    const char *verdict = cycles_verdict_name(analysis->cycles.verdict);
+
     fprintf(out, "%s: run \"%s\", seed %lld, version %s, kernels %s, %s\n", analysis->directory, run->name,
             (long long)run->seed, run->version, run->kernel_set, analysis->judgement.headline);
     fprintf(out, "stage \"%s\" (%d of %d): %s, %zu samples\n", curves->protocol->name, curves->stage + 1,
@@ -73,9 +88,8 @@ void report_table_print(FILE *out, const struct analysis *analysis)
     for (int k = 0; k < QUANTITIES; k++)
         if (quantity_belongs((enum quantity_id)k, curves->controls.kind))
             quantity_print(out, (enum quantity_id)k, &analysis->quantity[k]);
-    if (verdict)
-        fprintf(out, "  %-34s %12s (confidence %.3f; %zu cycles; %s)\n", "cycles.classification", verdict,
-                analysis->cycles.confidence, analysis->cycles.n, analysis->cycles.criterion);
+    if (analysis->cycles.n > 0)
+        classes_print(out, &analysis->cycles);
     legend_print(out, analysis);
     judgement_print(out, &analysis->judgement);
 }

@@ -154,6 +154,7 @@ struct scene_analysis {
     double modulus_strain;         /* window of the initial slopes: strain 0 to this */
     double residual_strain;        /* window of the residual stress: the last part of the strain */
     double dilatancy_min_strain;   /* window of the dilatancy slope */
+    double negligible_rate;        /* of cycles: gain per cycle over the strain amplitude without practical meaning */
     double dilatancy_max_strain;   /* 0: to the end of the test */
 };
 

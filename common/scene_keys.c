@@ -239,6 +239,8 @@ static const struct key analysis_keys[] = {
      "window of the dilatancy slope: from"},
     {"dilatancy_max_strain", KEY_FLOAT, OF(scene_analysis, dilatancy_max_strain), NULL, 0, 1, "0", NULL, NULL,
      "to; 0: the end of the stage"},
+    {"negligible_rate", KEY_FLOAT, OF(scene_analysis, negligible_rate), NULL, 0, 1, "1e-4", NULL, NULL,
+     "cycles: strain gained per cycle, over the strain amplitude of a cycle, below which it has no practical meaning"},
     {0}};
 
 const struct key scene_keys[] = {
