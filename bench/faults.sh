@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs that are disturbed must come to the same record: ./shakedown bench faults [--n N] [--seed N] [--kinds LIST]
-# Each kind of fault below is tried N times (default 10) at random moments of a run of a second (tests/scenes/small.cfg).
+# Each kind of fault below is tried N times (default 10) at random moments of a run of a second (tests/scenes/gentle.cfg).
 # What the driver does not mend by itself is gone on with by `./shakedown run --resume`. Prints how often each was tried
 # and what came out. Exit code 1 if a run was lost, hung, or differs from the undisturbed one.
 set -uo pipefail
@@ -31,7 +31,7 @@ cd "$out" || exit 5
 unset LCM_DEFAULT_URL
 exec 3>&2 2>bash.err # where bash tells of every process that was killed
 
-readonly scene=$root/tests/scenes/small.cfg
+readonly scene=$root/tests/scenes/gentle.cfg
 readonly settings=(--set checkpoint_interval_s=0.05 --set stages.0.duration_s=0.03 --set record.walls=sampled)
 declare -A tried=() mended=() resumed=() refused=() bad=() longest_ms=()
 driver=''

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs that are killed and go on: test_checkpoint.sh CASE. Real processes (SHAKEDOWN_BIN) on tests/scenes/small.cfg, in a
+# Runs that are killed and go on: test_checkpoint.sh CASE. Real processes (SHAKEDOWN_BIN) on tests/scenes/gentle.cfg, in a
 # network namespace of its own. What goes on must be the same, bit for bit, as a run that was never stopped.
 set -uo pipefail
 
@@ -13,7 +13,7 @@ cd "$work" || exit 1
 driver=''
 trap '[ -z "$driver" ] || kill -KILL -- "-$driver" 2>/dev/null; rm -rf "$work"' EXIT
 
-readonly scene=$root/tests/scenes/small.cfg
+readonly scene=$root/tests/scenes/gentle.cfg
 # Long enough to be caught, with many checkpoints.
 readonly settings=(--set checkpoint_interval_s=0.01 --set stages.0.duration_s=0.03)
 
@@ -102,7 +102,7 @@ case_kill_sim() {
 # The recorder, too, dies without a word, so its file holds what it has said to be on disk. The last rows of the walls'
 # compressed tables may be lost, so these are left out here.
 case_kill_all() {
-    settings_more=(--set record.walls=sampled --set record.event_log=false)
+    settings_more=(--set record.walls=sampled --set record.event_log=false --set stages.0.duration_s=0.1)
     shakedown run "$scene" "${settings[@]}" "${settings_more[@]}" --out whole
     expect_code 0 $?
     start_driver "${settings_more[@]}"

@@ -436,7 +436,7 @@ case_odd_names() {
 # The copy of a scene can be run again where it lies, with its sample from a checkpoint beside the original.
 case_copied_scene() {
     mkdir scenes
-    cp "$root/tests/scenes/small.cfg" scenes/first.cfg
+    cp "$root/tests/scenes/gentle.cfg" scenes/first.cfg
     shakedown run scenes/first.cfg --in-process --out scenes/first
     expect_code 0 $?
     sed 's|^sample = {|sample = { initial = "checkpoint"; checkpoint = "first/checkpoint-confine.h5";|' scenes/first.cfg \
