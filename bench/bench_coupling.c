@@ -138,7 +138,7 @@ static void add(struct coupling_work *work, int scheme, int n, double tolerance)
 
 static void plan(struct coupling_work *work)
 {
-    static const int schemes[] = {SCHEME_HOLD, SCHEME_JACOBIAN, SCHEME_PIPELINED, SCHEME_IMPEDANCE};
+    static const int schemes[] = {SCHEME_HOLD, SCHEME_JACOBIAN, SCHEME_COMPENSATED, SCHEME_PIPELINED, SCHEME_IMPEDANCE};
     const int factor = work->at->few ? 4 : 2;
     for (size_t s = 0; s < sizeof schemes / sizeof *schemes; s++)
         for (int n = 1; n <= 256; n *= factor)

@@ -11,11 +11,9 @@
 
 enum { OVERRIDES_MAX = 32 };
 static const double SHIFT_M = 1e-13, LIMIT_S = 300;
-static const char *const scheme_name[] = {[SCHEME_HOLD] = "hold",
-                                          [SCHEME_JACOBIAN] = "jacobian",
-                                          [SCHEME_PIPELINED] = "pipelined",
-                                          [SCHEME_ADAPTIVE] = "adaptive",
-                                          [SCHEME_IMPEDANCE] = "impedance"};
+static const char *const scheme_name[] = {
+    [SCHEME_HOLD] = "hold",         [SCHEME_JACOBIAN] = "jacobian",   [SCHEME_PIPELINED] = "pipelined",
+    [SCHEME_ADAPTIVE] = "adaptive", [SCHEME_IMPEDANCE] = "impedance", [SCHEME_COMPENSATED] = "compensated"};
 
 void coupling_point_override(const struct coupling_point *point, struct trial *trial, char text[][COUPLING_TEXT_MAX])
 {

@@ -8,11 +8,8 @@
 static const struct {
     const char *scheme, *color;
     int point;
-} lines[] = {{"hold", "#999999", 4},
-             {"jacobian", "#0072B2", 6},
-             {"pipelined", "#D55E00", 8},
-             {"adaptive", "#CC79A7", 2},
-             {"impedance", "#009E73", 7}};
+} lines[] = {{"hold", "#999999", 4},      {"jacobian", "#0072B2", 6}, {"compensated", "#E69F00", 5},
+             {"pipelined", "#D55E00", 8}, {"adaptive", "#CC79A7", 2}, {"impedance", "#009E73", 7}};
 enum { LINES = sizeof lines / sizeof *lines };
 
 static const char *text_of(const json_t *object, const char *key)

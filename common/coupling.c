@@ -43,6 +43,7 @@ void wall_state_to_message(const struct wall_state *state, int64_t run_id, int64
                                         .n_walls = s->n_walls,
                                         .position_m = s->position_m,
                                         .velocity_m_per_s = s->velocity_m_per_s,
+                                        .acceleration_m_per_s2 = s->acceleration_m_per_s2,
                                         .force_n = s->force_n,
                                         .stiffness_n_per_m = s->stiffness_n_per_m,
                                         .damping_kg_per_s = s->damping_kg_per_s,
@@ -73,6 +74,7 @@ bool wall_state_from_message(const struct _shakedown_wall_state_t *message, stru
     size_t bytes = (size_t)message->n_walls * sizeof(double);
     memcpy(state->position_m, message->position_m, bytes);
     memcpy(state->velocity_m_per_s, message->velocity_m_per_s, bytes);
+    memcpy(state->acceleration_m_per_s2, message->acceleration_m_per_s2, bytes);
     memcpy(state->force_n, message->force_n, bytes);
     memcpy(state->stiffness_n_per_m, message->stiffness_n_per_m, bytes);
     memcpy(state->damping_kg_per_s, message->damping_kg_per_s, bytes);

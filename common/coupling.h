@@ -24,8 +24,9 @@ struct wall_state {
     double interface_error, interface_error_before;
     int n_walls;
     double position_m[SCENE_WALLS_MAX];
-    double velocity_m_per_s[SCENE_WALLS_MAX]; /* mean over the interval that ended at `step` */
-    double force_n[SCENE_WALLS_MAX];          /* of the particles on the wall, positive outward */
+    double velocity_m_per_s[SCENE_WALLS_MAX];      /* mean over the interval that ended at `step` */
+    double acceleration_m_per_s2[SCENE_WALLS_MAX]; /* in that interval, as commanded */
+    double force_n[SCENE_WALLS_MAX];               /* of the particles on the wall, positive outward */
     double stiffness_n_per_m[SCENE_WALLS_MAX];
     double damping_kg_per_s[SCENE_WALLS_MAX];
     double stage_position_m[SCENE_WALLS_MAX];
@@ -110,7 +111,7 @@ enum { WALL_MESSAGE_MAX = 1024 };
 enum { WALLS_WINDOW = 16 };
 
 /* Arrays of doubles behind the count of walls in each message; a command has one of 32-bit integers before them. */
-enum { WALL_STATE_ARRAYS = 9, WALL_COMMAND_ARRAYS = 8 };
+enum { WALL_STATE_ARRAYS = 10, WALL_COMMAND_ARRAYS = 8 };
 size_t wall_state_encode(const struct wall_state *state, int64_t run_id, int64_t seq, unsigned char *buffer);
 size_t wall_command_encode(const struct wall_command *command, int64_t run_id, int64_t seq, double time_s,
                            unsigned char *buffer);

@@ -122,7 +122,14 @@ struct scene_sample {
     double speed_m_per_s;               /* starting velocities, uniform in [-speed, speed] per component */
 };
 
-enum coupling_scheme { SCHEME_HOLD, SCHEME_JACOBIAN, SCHEME_PIPELINED, SCHEME_ADAPTIVE, SCHEME_IMPEDANCE };
+enum coupling_scheme {
+    SCHEME_HOLD,
+    SCHEME_JACOBIAN,
+    SCHEME_PIPELINED,
+    SCHEME_ADAPTIVE,
+    SCHEME_IMPEDANCE,
+    SCHEME_COMPENSATED
+};
 
 struct scene_coupling {
     int scheme;             /* enum coupling_scheme */

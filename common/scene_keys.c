@@ -16,7 +16,8 @@ static const char *const target_names[] = {"constant", "ramp", "cosine", "triang
 static const char *const keep_names[] = {"volume", "p", "b", "path", NULL};
 static const char *const radius_names[] = {"uniform", "gaussian", NULL};
 static const char *const initial_names[] = {"lattice", "random", "checkpoint", NULL};
-static const char *const scheme_names[] = {"hold", "jacobian", "pipelined", "adaptive", "impedance", NULL};
+static const char *const scheme_names[] = {"hold",      "jacobian",    "pipelined", "adaptive",
+                                           "impedance", "compensated", NULL};
 static const char *const precision_names[] = {"double", "mixed", NULL};
 static const char *const strain_names[] = {"engineering", "logarithmic", NULL};
 static const char *const walls_names[] = {"sampled", "full", NULL};
@@ -199,7 +200,7 @@ static const struct key sample_keys[] = {
 static const struct key coupling_keys[] = {
     {"scheme", KEY_CHOICE, OF(scene_coupling, scheme), NULL, 0, 0, "hold", scheme_names, NULL,
      "how wallctl answers forces between exchanges: docs/coupling.md; all are the exact loop at an interval of 1 "
-     "(pipelined: with a delay of one)"},
+     "(pipelined: with a delay of one); impedance: the inner loop in the drive, sim closes it"},
     {"interval_steps", KEY_INT, OF(scene_coupling, interval_steps), "steps", 1, 1000000, "1", NULL, NULL,
      "exchange interval n; 1 is exact; adaptive: the longest"},
     {"tolerance", KEY_FLOAT, OF(scene_coupling, tolerance), NULL, 1e-9, 1, "1e-3", NULL, NULL,

@@ -66,6 +66,7 @@ const struct field wall_state_fields[] = {
     STATE(interface_error_before, F64, ONE, "1"),
     STATE(position_m, F64, WALLS, "m"),
     STATE(velocity_m_per_s, F64, WALLS, "m/s"),
+    STATE(acceleration_m_per_s2, F64, WALLS, "m/s^2"),
     STATE(force_n, F64, WALLS, "N"),
     STATE(stiffness_n_per_m, F64, WALLS, "N/m"),
     STATE(damping_kg_per_s, F64, WALLS, "kg/s"),

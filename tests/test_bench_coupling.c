@@ -10,7 +10,7 @@
 #include <jansson.h>
 
 static json_t *report;
-enum { POINTS = 23, INTERVALS = 5 };
+enum { POINTS = 28, INTERVALS = 5 };
 static const int interval[INTERVALS] = {1, 4, 16, 64, 256};
 
 static json_t *only_case(void)
@@ -74,9 +74,9 @@ static void every_point_is_there(void **unused)
 /* The same bits through the pipeline as in one process: one exchange per step, and one that ends the run. */
 static void one_step_is_exact(void **unused)
 {
-    static const char *const schemes[] = {"hold", "jacobian", "impedance"};
+    static const char *const schemes[] = {"hold", "jacobian", "impedance", "compensated"};
     (void)unused;
-    for (int s = 0; s < 3; s++) {
+    for (int s = 0; s < 4; s++) {
         const json_t *point = point_of(schemes[s], 1, 0);
         assert_true(number(point, "error") == 0);
         assert_true(number(json_object_get(point, "errors"), "position") == 0);
@@ -87,11 +87,11 @@ static void one_step_is_exact(void **unused)
 /* The coarser, the worse; and clear of what a shifted particle does. */
 static void errors_rise_with_the_interval(void **unused)
 {
-    static const char *const schemes[] = {"jacobian", "pipelined", "impedance"};
+    static const char *const schemes[] = {"jacobian", "pipelined", "impedance", "compensated"};
     (void)unused;
     const double floor = number(only_case(), "floor");
     assert_true(floor > 0 && floor < 1e-9);
-    for (int s = 0; s < 3; s++) {
+    for (int s = 0; s < 4; s++) {
         double before = floor;
         for (int k = 1; k < INTERVALS; k++) {
             const json_t *point = point_of(schemes[s], interval[k], 0);

@@ -334,6 +334,7 @@ static struct wall_state some_state(int n_walls)
         state.force_before_n[k] = 60.6 + k;
         state.ahead_position_m[k] = 70.7 + k;
         state.ahead_velocity_m_per_s[k] = 80.8 + k;
+        state.acceleration_m_per_s2[k] = 90.9 + k;
     }
     return state;
 }

@@ -202,7 +202,7 @@ case_in_process() {
 # step of an impedance.
 case_schemes() {
     local scheme
-    for scheme in pipelined adaptive impedance; do
+    for scheme in pipelined adaptive impedance compensated; do
         first=''
         rm -rf whole cut
         same_in_process --set "coupling.scheme=$scheme" --set coupling.interval_steps=7

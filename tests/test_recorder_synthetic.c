@@ -275,6 +275,7 @@ static void add_wall_exchange(struct synthetic_run *run, int64_t state)
                                             .stiffness_n_per_m = force_n,
                                             .damping_kg_per_s = zeros,
                                             .stage_position_m = zeros,
+                                            .acceleration_m_per_s2 = zeros,
                                             .force_before_n = zeros,
                                             .ahead_position_m = force_n,
                                             .ahead_velocity_m_per_s = force_n}};

@@ -185,11 +185,11 @@ static struct fixture sample_run(const char *coupling, int64_t steps)
 
 static void all_schemes_are_exact_at_one_step(void **unused)
 {
-    static const char *const schemes[] = {"jacobian", "adaptive", "impedance"};
+    static const char *const schemes[] = {"jacobian", "adaptive", "impedance", "compensated"};
     (void)unused;
     struct fixture exact = sample_run("scheme = \"hold\"; interval_steps = 1;", SAMPLE_STEPS);
     assert_true(exact.sample->audit.residual_j == 0);
-    for (int s = 0; s < 3; s++) {
+    for (int s = 0; s < 4; s++) {
         char coupling[128];
         snprintf(coupling, sizeof coupling, "scheme = \"%s\"; interval_steps = 1;", schemes[s]);
         struct fixture fixture = sample_run(coupling, SAMPLE_STEPS);
@@ -271,6 +271,7 @@ static void an_unstable_loop_names_an_interval_that_holds(void **unused)
     assert_int_equal(pressed_then(coupling, message), STATUS_OK);
     assert_int_equal(pressed_then("scheme = \"jacobian\"; interval_steps = 64;", message), STATUS_OK);
     assert_int_equal(pressed_then("scheme = \"adaptive\"; interval_steps = 64;", message), STATUS_OK);
+    assert_int_equal(pressed_then("scheme = \"compensated\"; interval_steps = 64;", message), STATUS_OK);
     assert_int_equal(pressed_then("scheme = \"impedance\"; interval_steps = 64;", message), STATUS_OK);
 }
 
@@ -310,7 +311,162 @@ static void stable_steps_are_the_closed_form(void **unused)
         print_message("m = %g kg: %d steps, closed form %d\n", mass, found, n);
         assert_in_range(found, n - 1, n);
         assert_int_equal(stress_stable_steps(SCHEME_JACOBIAN, &loop, dt, 512), 512);
+        assert_int_equal(stress_stable_steps(SCHEME_COMPENSATED, &loop, dt, 512), 512);
     }
+}
+
+/* ---- compensated ---- */
+
+/* Spectral radius of one interval of H = 1 on a spring and a damper that need not be as stiff as their bounds, from
+ * 2^26 intervals: a double root of modulus 1 grows with their number N and so reads 1 + ln(N)/N. */
+static double radius(int scheme, const struct stress_loop *bounds, double k, double g)
+{
+    enum { SQUARINGS = 26 };
+    double m[3][3], log_size = 0;
+    for (int column = 0; column < 3; column++) {
+        double s[3] = {column == 0, column == 1, column == 2}; /* position, mean velocity, acceleration */
+        struct stress_loop loop = *bounds;
+        loop.velocity_m_per_s = s[1];
+        loop.acceleration_m_per_s2 = s[2];
+        loop.force_n = -k * s[0] - g * (s[1] + 0.5 * s[2]);
+        struct wall_motion motion = stress_motion(scheme, &loop).motion;
+        m[1][column] = motion.velocity_m_per_s + 0.5 * motion.acceleration_m_per_s2;
+        m[0][column] = s[0] + m[1][column];
+        m[2][column] = motion.acceleration_m_per_s2;
+    }
+    for (int n = 0; n < SQUARINGS; n++) {
+        double square[3][3] = {{0}}, size = 0;
+        for (int i = 0; i < 27; i++)
+            square[i / 9][i % 3] += m[i / 9][i / 3 % 3] * m[i / 3 % 3][i % 3];
+        for (int i = 0; i < 9; i++)
+            size = fmax(size, fabs(square[i / 3][i % 3]));
+        for (int i = 0; i < 9; i++)
+            m[i / 3][i % 3] = square[i / 3][i % 3] / size;
+        log_size = 2 * log_size + log(size);
+    }
+    return exp(log_size / (1 << SQUARINGS));
+}
+
+/* Bounds K = 1 and g over ten decades of mass, damping and what the contacts really are, in units of K H and K H^2. */
+static double worst_radius(int scheme)
+{
+    double worst = 0;
+    for (double mass = 1e-6; mass < 2e6; mass *= 10)
+        for (double damping = 1e-5; damping < 2e4; damping *= pow(10, 0.25))
+            for (double bound = 1e-4; bound < 200; bound *= 10)
+                for (double k = 1; k > 1e-5; k /= 3)
+                    for (int part = 0; part <= 2; part++) {
+                        struct stress_loop loop = {.mass_kg = mass,
+                                                   .damping_kg_per_s = damping,
+                                                   .stiffness_n_per_m = 1,
+                                                   .contact_damping_kg_per_s = bound,
+                                                   .last_interval_s = 1,
+                                                   .interval_s = 1};
+                        worst = fmax(worst, radius(scheme, &loop, k, 0.5 * part * bound));
+                    }
+    return worst;
+}
+
+static void compensated_is_stable_on_all_springs(void **unused)
+{
+    (void)unused;
+    const double compensated = worst_radius(SCHEME_COMPENSATED), hold = worst_radius(SCHEME_HOLD);
+    print_message("largest radius - 1: compensated %.3g, hold %.3g\n", compensated - 1, hold - 1);
+    assert_true(compensated < 1 + 1e-6); /* ln(2^26)/2^26 = 2.7e-7, and rounding */
+    assert_true(hold > 2);
+}
+
+/* ---- a wall of mass 1 with damping 1/2 on a spring 1 that the bound takes for 10, from rest at 1: closed form ---- */
+
+static const double OSCILLATOR_BOUND = 10, OSCILLATOR_DAMPING = 0.5, OSCILLATOR_END_S = 4;
+
+static double oscillator_position(double t)
+{
+    const double decay = 0.5 * OSCILLATOR_DAMPING, omega = sqrt(1 - decay * decay);
+    return exp(-decay * t) * (cos(omega * t) + decay / omega * sin(omega * t));
+}
+
+static double oscillator_velocity(double t)
+{
+    const double decay = 0.5 * OSCILLATOR_DAMPING, omega = sqrt(1 - decay * decay);
+    return -exp(-decay * t) / omega * sin(omega * t);
+}
+
+/* Error of the position at the end, with intervals of h that began before the start. */
+static double oscillator_error(int scheme, double h)
+{
+    struct stress_loop loop = {.mass_kg = 1,
+                               .damping_kg_per_s = OSCILLATOR_DAMPING,
+                               .stiffness_n_per_m = OSCILLATOR_BOUND,
+                               .last_interval_s = h,
+                               .interval_s = h,
+                               .velocity_m_per_s = (1 - oscillator_position(-h)) / h,
+                               .acceleration_m_per_s2 = -oscillator_velocity(-h) / h};
+    double x = 1;
+    for (int k = 0; k < (int)(OSCILLATOR_END_S / h + 0.5); k++) {
+        loop.force_n = -x;
+        struct wall_motion motion = stress_motion(scheme, &loop).motion;
+        loop.velocity_m_per_s = motion.velocity_m_per_s + 0.5 * h * motion.acceleration_m_per_s2;
+        loop.acceleration_m_per_s2 = motion.acceleration_m_per_s2;
+        x += h * loop.velocity_m_per_s;
+    }
+    return fabs(x - oscillator_position(OSCILLATOR_END_S));
+}
+
+/* Second order, from where the next one is below a tenth; and without the price of the added mass K H^2/4, the error of
+ * jacobian: what is left is the midpoint rule's, (omega H)^2/12 against K H^2/(4 m) = 30 times that. */
+static void compensated_does_not_pay_for_its_added_mass(void **unused)
+{
+    double before = 0;
+    (void)unused;
+    for (double h = 0.0125; h > 0.003; h *= 0.5) {
+        const double jacobian = oscillator_error(SCHEME_JACOBIAN, h), error = oscillator_error(SCHEME_COMPENSATED, h);
+        print_message("H = %g: jacobian %.3g, compensated %.3g, order %.2f\n", h, jacobian, error,
+                      before > 0 ? log2(before / error) : NAN);
+        assert_true(error > 0 && error < jacobian / 10);
+        if (before > 0)
+            assert_close("compensated", log2(before / error), 2, 0.3);
+        before = error;
+    }
+}
+
+struct hard_case {
+    const char *name;
+    double mass_kg, damping_kg_per_s, away_m, kc_n_per_m, pressure_pa;
+};
+
+static enum status hard_run(const struct hard_case *at, const char *scheme, int n)
+{
+    char coupling[64];
+    snprintf(coupling, sizeof coupling, "scheme = \"%s\"; interval_steps = %d;", scheme, n);
+    struct fixture pressed = sample_run("interval_steps = 1;", PRESS_STEPS);
+    struct fixture hard = {.scene = fixture_scene_of(sample_text(coupling, "")), .sample = pressed.sample};
+    struct scene_stage *stage = &hard.scene->stage[1];
+    stage->axis[0].mass_kg = at->mass_kg;
+    stage->axis[0].damping_kg_per_s = at->damping_kg_per_s;
+    stage->axis[0].pressure_pa = at->pressure_pa;
+    stage->material.kc_n_per_m = at->kc_n_per_m;
+    hard.sample->walls[1].x += at->away_m;
+    hard.sample->scene = hard.scene;
+    enum status status = fixture_try(&hard, SAMPLE_STEPS);
+    if (status != STATUS_OK)
+        print_message("%s, %s %d: %s\n", at->name, scheme, n, status_message());
+    hard.sample->scene = pressed.scene;
+    fixture_scene_free(hard.scene);
+    fixture_close(&pressed);
+    return status;
+}
+
+static void compensated_holds_in_hard_cases(void **unused)
+{
+    static const struct hard_case cases[] = {{"light wall", 1e-8, 2, 0, 0, 500},   {"heavy wall", 1, 2, 0, 0, 500},
+                                             {"no damping", 1e-5, 0, 0, 0, 500},   {"empty", 1e-5, 2, 0.05, 0, 500},
+                                             {"contact", 1e-5, 0.1, 5e-4, 0, 500}, {"pull", 1e-5, 2, 0, 4e5, 5}};
+    (void)unused;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        for (int n = 8; n <= 256; n *= k == 0 ? 2 : 4)
+            assert_int_equal(hard_run(&cases[k], "compensated", n), STATUS_OK);
+    assert_int_equal(hard_run(&cases[0], "hold", 64), STATUS_UNSTABLE);
 }
 
 int main(void)
@@ -325,6 +481,9 @@ int main(void)
         cmocka_unit_test(an_unstable_loop_names_an_interval_that_holds),
         cmocka_unit_test(a_wall_beyond_the_speed_of_sound_is_stopped),
         cmocka_unit_test(stable_steps_are_the_closed_form),
+        cmocka_unit_test(compensated_is_stable_on_all_springs),
+        cmocka_unit_test(compensated_does_not_pay_for_its_added_mass),
+        cmocka_unit_test(compensated_holds_in_hard_cases),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

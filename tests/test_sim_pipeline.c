@@ -419,9 +419,10 @@ static void over_the_bus_at_every_seventh_step(void **state)
 static void every_scheme_gives_the_same_bits(void **state)
 {
     static const char *const schemes[] = {"coupling.scheme=jacobian", "coupling.scheme=pipelined",
-                                          "coupling.scheme=adaptive", "coupling.scheme=impedance"};
+                                          "coupling.scheme=adaptive", "coupling.scheme=impedance",
+                                          "coupling.scheme=compensated"};
     (void)state;
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 5; k++) {
         char here[32], bus[40];
         scheme = schemes[k];
         snprintf(here, sizeof here, "%s", strchr(scheme, '=') + 1);

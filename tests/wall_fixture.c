@@ -80,6 +80,7 @@ void fixture_advance(const struct scene *scene, const struct wall_command *comma
         double v = command->velocity_m_per_s[wall], a = command->acceleration_m_per_s2[wall];
         state->position_m[wall] = command->position_m[wall] + v * h + 0.5 * a * h * h;
         state->velocity_m_per_s[wall] = v + 0.5 * a * h;
+        state->acceleration_m_per_s2[wall] = a;
     }
     state->step += command->n_steps;
     state->command_step = state->step;

@@ -51,6 +51,14 @@ static struct stress_loop loop_of(const struct pair_control *c, double target_pa
                                 .target_n = target_pa * walls_area_m2(c->state, c->hi / 2)};
 }
 
+/* Outward acceleration of wall w in the last interval; 0 unless contacts pushed at both its ends: that of free flight,
+ * or of contacts that pull and let go, is not what a mass of contacts goes on with. */
+static double touched_acceleration_m_per_s2(const struct wall_state *state, int w)
+{
+    const double outward = w % 2 ? 1 : -1;
+    return !(state->force_before_n[w] > 0 && state->force_n[w] > 0) ? 0 : outward * state->acceleration_m_per_s2[w];
+}
+
 static void motion_set(struct wall_command *command, int wall, double sign, struct wall_motion motion)
 {
     command->velocity_m_per_s[wall] = sign * motion.velocity_m_per_s;
@@ -83,6 +91,7 @@ static void stress_wall(const struct pair_control *c, int wall, double sign, dou
     loop.stiffness_n_per_m = state->stiffness_n_per_m[wall];
     loop.contact_damping_kg_per_s = state->damping_kg_per_s[wall];
     loop.velocity_m_per_s = sign * state->velocity_m_per_s[wall];
+    loop.acceleration_m_per_s2 = touched_acceleration_m_per_s2(state, wall);
     loop.force_n = state->force_n[wall];
     struct stress_motion motion = stress_motion(c->scheme, &loop);
     loop_set(command, wall, sign, &motion);
@@ -96,6 +105,8 @@ static void stress_mirror(const struct pair_control *c, double target_pa, struct
     loop.stiffness_n_per_m = 0.5 * (s->stiffness_n_per_m[c->hi] + s->stiffness_n_per_m[c->lo]);
     loop.contact_damping_kg_per_s = 0.5 * (s->damping_kg_per_s[c->hi] + s->damping_kg_per_s[c->lo]);
     loop.velocity_m_per_s = 0.5 * (s->velocity_m_per_s[c->hi] + -s->velocity_m_per_s[c->lo]);
+    loop.acceleration_m_per_s2 =
+        0.5 * (touched_acceleration_m_per_s2(s, c->hi) + touched_acceleration_m_per_s2(s, c->lo));
     loop.force_n = 0.5 * (s->force_n[c->hi] + s->force_n[c->lo]);
     struct stress_motion motion = stress_motion(c->scheme, &loop);
     loop_set(command, c->hi, 1, &motion);
@@ -203,9 +214,10 @@ static bool state_is_finite(const struct wall_state *s)
     const double scalars[] = {
         s->time_s,          s->stage_time_s,          s->interval_s, s->kinetic_energy_j, s->elastic_energy_j,
         s->interface_error, s->interface_error_before};
-    const double *walls[] = {s->position_m,        s->velocity_m_per_s, s->force_n,
-                             s->stiffness_n_per_m, s->damping_kg_per_s, s->stage_position_m,
-                             s->force_before_n,    s->ahead_position_m, s->ahead_velocity_m_per_s};
+    const double *walls[] = {
+        s->position_m,        s->velocity_m_per_s,      s->acceleration_m_per_s2, s->force_n,
+        s->stiffness_n_per_m, s->damping_kg_per_s,      s->stage_position_m,      s->force_before_n,
+        s->ahead_position_m,  s->ahead_velocity_m_per_s};
     for (size_t k = 0; k < sizeof walls / sizeof walls[0]; k++)
         if (!all_finite(walls[k], s->n_walls))
             return false;

@@ -13,6 +13,7 @@ struct stress_loop {
     double last_interval_s, interval_s;                 /* 0: no interval before */
     bool one_step;                                      /* the interval is a single time step: the exact loop */
     double velocity_m_per_s;                            /* mean over the last interval */
+    double acceleration_m_per_s2;                       /* of the last interval, as commanded; 0: none to go on with */
     double force_n;                                     /* of the sample, at the start of the interval */
     double target_n;                                    /* target pressure times area, at the same time */
 };

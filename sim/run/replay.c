@@ -46,6 +46,7 @@ static const struct state_field state_fields[] = {
     FIELD(interface_error_before, FIELD_DOUBLE),
     FIELD(position_m, FIELD_WALLS),
     FIELD(velocity_m_per_s, FIELD_WALLS),
+    FIELD(acceleration_m_per_s2, FIELD_WALLS),
     FIELD(force_n, FIELD_WALLS),
     FIELD(stiffness_n_per_m, FIELD_WALLS),
     FIELD(damping_kg_per_s, FIELD_WALLS),

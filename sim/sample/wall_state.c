@@ -24,6 +24,7 @@ void sample_wall_state(const struct sample *sample, struct wall_state *state)
         const struct wall *wall = &sample->walls[w];
         state->position_m[w] = wall->x;
         state->velocity_m_per_s[w] = walls_mean_velocity_m_per_s(sample, w);
+        state->acceleration_m_per_s2[w] = path->n_steps > 0 ? path->a0[w] : 0;
         state->force_before_n[w] = audit->force_start[w];
         state->force_n[w] = wall->force;
         state->stage_position_m[w] = sample->stage_position_m[w];
