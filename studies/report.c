@@ -28,10 +28,7 @@ const char *report_spread_text(const struct spread *spread, char *text, size_t s
 
 const char *report_verdict(const json_t *analysis)
 {
-    const json_t *verdict = json_object_get(analysis, "verdict");
-    const char *text = json_string_value(verdict);
-    if (!text)
-        text = json_string_value(json_object_get(verdict, "verdict"));
+    const char *text = json_string_value(json_object_get(analysis, "verdict"));
     return text ? text : "";
 }
 
@@ -59,17 +56,13 @@ static size_t notes_collect(const json_t *object, const char *key, char *text, s
 
 void report_notes_text(const json_t *analysis, char *text, size_t size)
 {
-    const json_t *verdict = json_object_get(analysis, "verdict"), *reasons = json_object_get(verdict, "reasons");
     size_t used = 0, index;
-    json_t *reason;
+    json_t *note;
     text[0] = '\0';
-    if (!reasons)
-        reasons = json_object_get(analysis, "reasons");
-    json_array_foreach(reasons, index, reason)
+    json_array_foreach(json_object_get(analysis, "notes"), index, note)
     {
-        const char *words =
-            json_is_object(reason) ? json_string_value(json_object_get(reason, "text")) : json_string_value(reason);
-        used = note_add(text, size, used, "", words);
+        const char *stage = json_string_value(json_object_get(note, "stage"));
+        used = note_add(text, size, used, stage ? stage : "", json_string_value(json_object_get(note, "text")));
     }
     (void)notes_collect(analysis, "", text, size, used);
 }

@@ -79,13 +79,22 @@ static void head_print(FILE *out, const struct report *report)
     }
 }
 
-static void summary_print(FILE *out, const struct report *report)
+static void summary_print(FILE *out, const struct report *report, const struct results *results)
 {
-    int done = 0;
-    for (int k = 0; k < report->plan->n_runs; k++)
+    int done = 0, sound = 0;
+    for (int k = 0; k < report->plan->n_runs; k++) {
         done += report->outcome[k].done;
-    fprintf(out, "<p>%d of %d runs are in this report%s.</p>\n<p>The command that makes it:</p>\n<pre>", done,
-            report->plan->n_runs, done < report->plan->n_runs ? ", <span class=\"bad\">the others failed</span>" : "");
+        sound += strcmp(report_verdict(results->analysis[k]), "sound") == 0;
+    }
+    fprintf(
+        out,
+        "<p>%d of %d runs are in this report%s. %d are sound by the verdict of their analysis, %d doubtful or failed "
+        "(<a href=\"#runs\">reasons</a>).</p>
+            < p > The command that makes it
+        : </ p><pre> ",
+          done,
+          report->plan->n_runs, done < report->plan->n_runs ? ", <span class=\"bad\">the others failed</span>" : "",
+          sound, done - sound);
     report_text_print(out, report->command);
     fputs("</pre>\n", out);
 }
@@ -382,7 +391,7 @@ static void settings_print(FILE *out, const struct report *report, const struct 
 static enum status page_print(FILE *out, const struct report *report, const struct results *results)
 {
     head_print(out, report);
-    summary_print(out, report);
+    summary_print(out, report, results);
     comparison_print(out, results);
     scores_print(out, results);
     TRY(figures_print(out, report));

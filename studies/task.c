@@ -18,7 +18,7 @@ enum { LOG_END = 600 }; /* characters of a failed program's log that are shown *
 
 /* What a run leaves in its folder; patterns. */
 static const char *const products[] = {"done",     "analysis.json", "curves.csv",  "cycles.csv", "run.h5",
-                                       "run.xdmf", "run.lcm",       "checkpoint*", "log",        "failure",
+                                       "run.xdmf", "run.lcm*",      "checkpoint*", "log",        "failure",
                                        "*.new",    "*.tmp",         NULL};
 
 enum status task_open(struct task *task, const char *out, const char *name)
@@ -211,6 +211,7 @@ static enum status preparation_ensure(const struct task *task, const char *bin)
 
 static enum status simulate(const struct task *task, const char *bin)
 {
+    static const char *const former[] = {"run.lcm*", "checkpoint*", NULL};
     char id[32], path[2400], log[2400];
     int code;
     /* the same run, whoever goes on with it */
@@ -236,8 +237,9 @@ static enum status simulate(const struct task *task, const char *bin)
         TRY(program(task->folder, bin, "sim", resumed, &code));
         if (code == 0 || stop_requested())
             return STATUS_OK;
-        TRY(files_remove(path)); /* of another version, or the log does not fit: from the start */
     }
+    /* from the start: there is no checkpoint, or it is of another version, or the log does not fit */
+    TRY(products_remove(task->folder, former));
     return program(task->folder, bin, "sim", fresh, &code);
 }
 
@@ -260,7 +262,7 @@ static enum status analyse(const struct task *task, const char *bin)
 /* Everything is in run.h5 now. */
 static enum status conclude(const struct task *task)
 {
-    static const char *const used_up[] = {"run.lcm", "checkpoint*", NULL};
+    static const char *const used_up[] = {"run.lcm*", "checkpoint*", NULL};
     char path[2400], text[32];
     TRY(products_remove(task->folder, used_up));
     snprintf(text, sizeof text, "%s\n", task->hash);

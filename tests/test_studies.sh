@@ -59,6 +59,8 @@ case_report() {
     done
     [ "$(grep -o '<svg role="img" aria-label="' s/report.html | wc -l)" -eq 2 ] || fail "two figures with texts"
     grep -q 'A &lt;small&gt; study &amp; its report' s/report.html || fail "the title is not escaped"
+    grep -qE '[0-9] are sound by the verdict of their analysis, [0-9] doubtful' s/report.html || fail "no verdicts"
+    grep -qE '<td>(sound|doubtful|failed)</td>' s/report.html || fail "no verdict of a run"
     ! grep -qE '(src|href)="(https?:|/|\.)' s/report.html || fail "the report needs other files"
     [ "$(find s/prepared -name 'prepared.h5' | wc -l)" -eq 2 ] || fail "two preparations"
     grep -q '2 of 2\|4 of 4 done' first.out || fail "no progress"
@@ -99,7 +101,7 @@ case_pictures() {
 # In a real browser, without a network: no word in its console, every figure there and of a size, with its text.
 case_browser() {
     local browser=()
-    command -v chromium >/dev/null || { echo "SKIPPED: chromium is not installed"; exit 77; }
+    command -v chromium >/dev/null || { echo "SKIPPED: chromium is not installed"; exit 125; }
     write_small
     study first.out --out s || fail "exit code $?"
     cat >look.html <<'TEXT'

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Studies on a real Slurm, started here on loopback in namespaces of its own: test_studies_slurm.sh CASE. Skipped (77)
+# Studies on a real Slurm, started here on loopback in namespaces of its own: test_studies_slurm.sh CASE. Skipped (125)
 # where Slurm, munge or the right to make namespaces is missing.
 set -uo pipefail
 
@@ -7,7 +7,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 skip() {
     echo "SKIPPED: $*"
-    exit 77
+    exit 125
 }
 
 for program in slurmctld slurmd sbatch munged; do
