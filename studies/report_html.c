@@ -89,12 +89,9 @@ static void summary_print(FILE *out, const struct report *report, const struct r
     fprintf(
         out,
         "<p>%d of %d runs are in this report%s. %d are sound by the verdict of their analysis, %d doubtful or failed "
-        "(<a href=\"#runs\">reasons</a>).</p>
-            < p > The command that makes it
-        : </ p><pre> ",
-          done,
-          report->plan->n_runs, done < report->plan->n_runs ? ", <span class=\"bad\">the others failed</span>" : "",
-          sound, done - sound);
+        "(<a href=\"#runs\">reasons</a>).</p>\n<p>The command that makes it:</p>\n<pre>",
+        done, report->plan->n_runs, done < report->plan->n_runs ? ", <span class=\"bad\">the others failed</span>" : "",
+        sound, done - sound);
     report_text_print(out, report->command);
     fputs("</pre>\n", out);
 }
