@@ -21,9 +21,10 @@ enum status child_become(pid_t parent, char **argv)
         return status_fail(STATUS_IO, "cannot ask for a signal on the launcher's death: %s", strerror(errno));
     if (getppid() != parent)
         return status_fail(STATUS_INTERRUPTED, "the launcher has ended");
-    /* When the launcher is killed nobody reads the logs: that shall not end a process before its record is closed. */
-    if (signal(SIGPIPE, SIG_IGN) == SIG_ERR)
-        return status_fail(STATUS_IO, "cannot ignore SIGPIPE: %s", strerror(errno));
+    /* When the launcher is killed nobody reads the logs: that shall not end a process before its record is closed. A
+     * limit for the size of files shall be an error like a full disk. */
+    if (signal(SIGPIPE, SIG_IGN) == SIG_ERR || signal(SIGXFSZ, SIG_IGN) == SIG_ERR)
+        return status_fail(STATUS_IO, "cannot ignore signals: %s", strerror(errno));
     execvp(argv[0], argv);
     return status_fail(STATUS_IO, "cannot start %s: %s", argv[0], strerror(errno));
 }

@@ -27,8 +27,8 @@ struct child_place {
 };
 
 /* Starts argv (NULL ended; argv[0] with a path or from PATH) in a process group of its own, so that Ctrl-C reaches the
- * launcher alone, with empty standard input, no signal blocked or ignored but SIGPIPE, and told to end (SIGTERM) when
- * the launcher dies. `name` must outlive the child. */
+ * launcher alone, with empty standard input, no signal blocked or ignored but SIGPIPE and SIGXFSZ, and told to end
+ * (SIGTERM) when the launcher dies. `name` must outlive the child. */
 enum status child_start(struct child *child, const char *name, char *const *argv,
                         const struct child_place *place) MUST_USE;
 

@@ -519,7 +519,7 @@ static enum status open_signals(struct supervisor *s)
     struct sigaction before;
     sigset_t set;
     char text[32];
-    if (sigemptyset(&set) != 0 || sigaction(SIGHUP, NULL, &before) != 0)
+    if (sigemptyset(&set) != 0 || sigaction(SIGHUP, NULL, &before) != 0 || signal(SIGXFSZ, SIG_IGN) == SIG_ERR)
         return status_fail(STATUS_IO, "cannot make a signal set: %s", strerror(errno));
     const size_t n = sizeof wanted / sizeof *wanted - (before.sa_handler == SIG_IGN);
     for (size_t k = 0; k < n; k++)

@@ -4,8 +4,13 @@ target_link_libraries(test_progress PRIVATE shakedown_progress PkgConfig::CMOCKA
 add_test(NAME progress COMMAND test_progress)
 set_tests_properties(progress PROPERTIES LABELS unit TIMEOUT 30)
 
+add_executable(test_launcher test_launcher.c)
+target_link_libraries(test_launcher PRIVATE shakedown_launcher PkgConfig::CMOCKA)
+add_test(NAME launcher COMMAND test_launcher)
+set_tests_properties(launcher PROPERTIES LABELS unit TIMEOUT 30)
+
 # Cases with fakes in place of the processes: quick, and every way in which one may end.
-foreach(case usage run broken_scene ports interrupt hang failure restart signals orphans url private)
+foreach(case usage run broken_scene ports interrupt hang failure restart signals orphans controller url private)
   add_test(NAME driver_fake_${case} COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_driver.sh fake_${case})
   set_tests_properties(driver_fake_${case} PROPERTIES LABELS unit TIMEOUT 60 ENVIRONMENT "LAUNCHER=$<TARGET_FILE:launcher>")
 endforeach()

@@ -3,7 +3,8 @@
 # FAKE_RECORDER: ok (default), fail (exit code 10 and a message), wait (until SIGINT), hang (no signal changes anything).
 # The pipe FAKE_PIPE stands for the bus: its one message is sim's END, for the recorder. FAKE_PIPE.walls: wallctl's answer.
 trap 'exit 130' INT HUP # at once: bash loses one that comes during a command
-name=${0##*/}
+name=${0##* } # "my wallctl" is a controller of the user's own
+name=${name##*/}
 arguments=("$@")
 
 argument_after() { # OPTION

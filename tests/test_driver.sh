@@ -297,6 +297,18 @@ case_fake_orphans() {
     expect_all_gone out
 }
 
+# A program of the user's own in place of wallctl.
+case_fake_controller() {
+    use_fakes
+    ln -s "$root/tests/fake_process.sh" 'my wallctl'
+    shakedown run good.cfg --out out --controller "'./my wallctl' --flag \"\$HOME x\"" --set a=b
+    expect_code 0 $?
+    expect_text out/log/controller.log "^wallctl --flag \$HOME x $work/out/scene.cfg --set a=b --run-id"
+    expect_no_file out/log/wallctl.log
+    shakedown run good.cfg --out two --controller x --in-process
+    expect_code 2 $?
+}
+
 case_fake_url() {
     use_fakes
     local url='udpm://239.255.76.67:7999?ttl=0'
