@@ -65,9 +65,11 @@ await_driver() {
     driver=''
 }
 
-# Our own process of that name, as ids that were noted may be another's by now.
+# Our own process of that name, as ids that were noted may be another's by now. Before there is a run id nothing has
+# begun that could be gone on with.
 process() { # NAME: prints its id
     local pid
+    [ -e run/run-id ] || return
     for pid in $(cat "/proc/$driver/task/$driver/children" 2>/dev/null); do
         [ "$(cat "/proc/$pid/comm" 2>/dev/null)" != "$1" ] || echo "$pid"
     done

@@ -19,8 +19,9 @@ complain() {
 }
 
 # FILE INCLUDED, for all includes of our own files by their path.
-includes=$(grep -roE --include='*.[ch]' '^#include "[a-z_]+/[A-Za-z0-9_/]+\.h"' common sim wallctl recorder analyzer \
-    $(for folder in launcher export; do [ -d $folder ] && echo $folder; done) |
+folders=(common sim wallctl recorder analyzer launcher)
+[ ! -d export ] || folders+=(export)
+includes=$(grep -roE --include='*.[ch]' '^#include "[a-z_]+/[A-Za-z0-9_/]+\.h"' "${folders[@]}" |
     sed -E 's/^([^:]+):#include "([^"]+)"$/\1 \2/')
 [ -n "$includes" ] || complain "no includes found below $root"
 
