@@ -128,9 +128,24 @@ static void unfinished(struct analysis *analysis)
     snprintf(analysis->cycles.criterion, sizeof analysis->cycles.criterion, "the stage did not end");
 }
 
-static enum status evaluate(struct analysis *analysis)
+/* Number of the stage of that name; an error names those that there are. */
+static enum status stage_find(const struct scene *scene, const char *name, int *stage)
 {
-    TRY(curves_extract(&analysis->curves, &analysis->run));
+    char names[600] = "";
+    size_t used = 0;
+    *stage = scene_stage_find(scene, name ? name : scene->analysis.stage);
+    if (*stage >= 0)
+        return STATUS_OK;
+    for (int k = 0; k < scene->n_stages && used < sizeof names; k++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s\"%s\"", k ? ", " : "", scene->stage[k].name);
+    return status_fail(STATUS_USAGE, "there is no stage \"%s\"; there are %s", name, names);
+}
+
+static enum status evaluate(struct analysis *analysis, const char *stage)
+{
+    int number;
+    TRY(stage_find(analysis->run.scene, stage, &number));
+    TRY(curves_extract_stage(&analysis->curves, &analysis->run, number));
     for (int k = 0; k < QUANTITIES; k++)
         quantity_undefined(&analysis->quantity[k], "not of this kind of test: %s",
                            controls_name(&analysis->curves.controls, analysis->run.dimension));
@@ -144,16 +159,18 @@ static enum status evaluate(struct analysis *analysis)
     return STATUS_OK;
 }
 
-enum status analysis_make(struct analysis *analysis, const char *directory)
+enum status analysis_make(struct analysis *analysis, const char *directory, const struct analysis_choice *choice)
 {
+    static const struct analysis_choice as_it_is = {0};
     char path[sizeof analysis->directory + 16];
     memset(analysis, 0, sizeof *analysis);
     if (strlen(directory) >= sizeof analysis->directory)
         return status_fail(STATUS_USAGE, "%.60s...: the path is too long", directory);
     snprintf(analysis->directory, sizeof analysis->directory, "%s", directory);
     snprintf(path, sizeof path, "%s/run.h5", directory);
-    TRY(run_read(&analysis->run, path));
-    enum status status = evaluate(analysis);
+    choice = choice ? choice : &as_it_is;
+    TRY(run_read_set(&analysis->run, path, choice->setting, choice->n_settings));
+    enum status status = evaluate(analysis, choice->stage);
     if (status != STATUS_OK)
         analysis_free(analysis);
     return status;

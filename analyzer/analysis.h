@@ -20,9 +20,18 @@ struct analysis {
     struct quantity quantity[QUANTITIES];
 };
 
-/* Reads `directory`/run.h5 and evaluates it. Writes nothing. `analysis` need not be initialised; on success release it
- * with analysis_free. Errors: those of run_read, STATUS_NO_MEMORY, STATUS_USAGE (path too long). */
-enum status analysis_make(struct analysis *analysis, const char *directory) MUST_USE;
+/* What is evaluated, and how, where that is not as the scene has it. */
+struct analysis_choice {
+    const char *stage;          /* its name; NULL: analysis.stage */
+    const char *const *setting; /* [n_settings], "analysis.KEY=VALUE" */
+    int n_settings;
+};
+
+/* Reads `directory`/run.h5 and evaluates it; `choice` NULL: as the scene has it. Writes nothing. `analysis` need not be
+ * initialised; on success release it with analysis_free. Errors: those of run_read, STATUS_NO_MEMORY, STATUS_USAGE
+ * (path too long, no such stage). */
+enum status analysis_make(struct analysis *analysis, const char *directory,
+                          const struct analysis_choice *choice) MUST_USE;
 
 void analysis_free(struct analysis *analysis);
 

@@ -1,5 +1,6 @@
 #include "analyzer/analysis_files.h"
 
+#include <ctype.h>
 #include <stdio.h>
 
 #include "analyzer/report_json.h"
@@ -18,5 +19,23 @@ enum status analysis_write(const struct analysis *analysis)
         TRY(cycles_write_csv(&analysis->cycles, path));
     }
     snprintf(path, sizeof path, "%s/analysis.json", analysis->directory);
+    return report_json_write(analysis, path);
+}
+
+enum status analysis_write_all_curves(const struct analysis *analysis)
+{
+    char path[sizeof analysis->directory + 16];
+    snprintf(path, sizeof path, "%s/curves.csv", analysis->directory);
+    return curves_write_all_csv(&analysis->run, path);
+}
+
+enum status analysis_write_stage(const struct analysis *analysis)
+{
+    char name[128], path[sizeof analysis->directory + sizeof name + 32];
+    snprintf(name, sizeof name, "%.120s", analysis->curves.protocol->name);
+    for (char *c = name; *c; c++)
+        if (!isalnum((unsigned char)*c) && *c != '-')
+            *c = '_';
+    snprintf(path, sizeof path, "%s/analysis-%s.json", analysis->directory, name);
     return report_json_write(analysis, path);
 }

@@ -8,4 +8,10 @@
  * STATUS_IO, STATUS_NO_MEMORY. */
 enum status analysis_write(const struct analysis *analysis) MUST_USE;
 
+/* Writes curves.csv again, with all stages. STATUS_IO, STATUS_NO_MEMORY. */
+enum status analysis_write_all_curves(const struct analysis *analysis) MUST_USE;
+
+/* Writes analysis-NAME.json, NAME that of the stage, signs that no file name should have replaced by "_". */
+enum status analysis_write_stage(const struct analysis *analysis) MUST_USE;
+
 #endif

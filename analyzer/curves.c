@@ -209,19 +209,55 @@ void curves_free(struct curves *curves)
     memset(curves, 0, sizeof *curves);
 }
 
+static void names_write(FILE *out)
+{
+    for (int k = 0; k < CURVES; k++)
+        fprintf(out, "%s,", names[k]);
+    fprintf(out, "stage\n");
+}
+
+static void rows_write(FILE *out, const struct curves *curves)
+{
+    for (size_t i = 0; i < curves->n; i++) {
+        for (int k = 0; k < CURVES; k++)
+            fprintf(out, "%.12g,", curves->column[k][i]);
+        fprintf(out, "\"%s\"\n", curves->protocol->name);
+    }
+}
+
+static enum status csv_close(FILE *out, const char *path)
+{
+    int failed = ferror(out); /* sticky: covers every write before */
+    if (fclose(out) != 0 || failed)
+        return status_fail(STATUS_IO, "%s: cannot be written: %s", path, strerror(errno));
+    return STATUS_OK;
+}
+
 enum status curves_write_csv(const struct curves *curves, const char *path)
 {
     FILE *out = fopen(path, "w");
     if (!out)
         return status_fail(STATUS_IO, "%s: %s", path, strerror(errno));
-    for (int k = 0; k < CURVES; k++)
-        fprintf(out, "%s%s", k ? "," : "", names[k]);
-    for (size_t i = 0; i < curves->n; i++)
-        for (int k = 0; k < CURVES; k++)
-            fprintf(out, "%s%.12g", k ? "," : "\n", curves->column[k][i]);
-    fputc('\n', out);
-    int failed = ferror(out); /* sticky: covers every write above */
-    if (fclose(out) != 0 || failed)
-        return status_fail(STATUS_IO, "%s: cannot be written: %s", path, strerror(errno));
-    return STATUS_OK;
+    names_write(out);
+    rows_write(out, curves);
+    return csv_close(out, path);
+}
+
+enum status curves_write_all_csv(const struct run *run, const char *path)
+{
+    FILE *out = fopen(path, "w");
+    if (!out)
+        return status_fail(STATUS_IO, "%s: %s", path, strerror(errno));
+    enum status status = STATUS_OK;
+    names_write(out);
+    for (int k = 0; status == STATUS_OK && k < run->scene->n_stages; k++) {
+        struct curves curves;
+        status = curves_extract_stage(&curves, run, k);
+        if (status != STATUS_OK)
+            break;
+        rows_write(out, &curves);
+        curves_free(&curves);
+    }
+    enum status closed = csv_close(out, path);
+    return status == STATUS_OK ? closed : status;
 }

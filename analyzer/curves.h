@@ -86,8 +86,12 @@ enum status curves_extract_stage(struct curves *curves, const struct run *run, i
 
 void curves_free(struct curves *curves);
 
-/* Writes all columns as CSV with one line of names; a value that is not finite is written as nan. STATUS_IO. */
+/* Writes all columns as CSV with one line of names, and the name of the stage as the last column; a value that is not
+ * finite is written as nan. STATUS_IO. */
 enum status curves_write_csv(const struct curves *curves, const char *path) MUST_USE;
+
+/* The same for all stages of a run, one after the other; strains count from the start of each. */
+enum status curves_write_all_csv(const struct run *run, const char *path) MUST_USE;
 
 /* Eigenvalues of a symmetric tensor[dimension][dimension], largest first (2D: closed form; 3D: trigonometric solution
  * of the characteristic equation, Smith 1961). NaN in, NaN out. */

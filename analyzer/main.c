@@ -1,63 +1,21 @@
-/* analyzer [--out DIR] [--no-plots] [--series KEY] DIR... : parameters, curves and plots from DIR/run.h5, and an
+/* analyzer [OPTIONS] DIR... : parameters, curves and plots from DIR/run.h5, and an
  * ensemble over several. */
 #include <errno.h>
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "analyzer/analysis_files.h"
+#include "analyzer/command.h"
 #include "analyzer/ensemble.h"
 #include "analyzer/plots.h"
 #include "analyzer/report_table.h"
 #include "analyzer/series.h"
 
-static const char usage[] =
-    "usage: analyzer [--out DIR] [--no-plots] [--series KEY] DIR...\n"
-    "  Reads DIR/run.h5 and writes into DIR: analysis.json, curves.csv, plots (.gp, .svg, .png);\n"
-    "  of cyclic tests also cycles.csv. Prints a table. Several DIR: an ensemble as well.\n"
-    "  --out DIR    where ensemble.json goes (made if missing); without it the ensemble is only printed\n"
-    "  --series KEY the runs differ in this key of the scene, e.g. material.mu_s: a table over it instead of the\n"
-    "               ensemble, and in --out also series.csv and a plot; runs of one name are one curve\n"
-    "  --no-plots   do not run gnuplot for the single runs\n";
-
-struct options {
-    const char *out;    /* NULL: no ensemble.json */
-    const char *series; /* key of the scene; NULL: an ensemble */
-    bool plots;
-};
-
-static enum status options_read(int argc, char **argv, struct options *options, bool *help)
-{
-    static const struct option known[] = {{"out", required_argument, NULL, 'o'},
-                                          {"series", required_argument, NULL, 's'},
-                                          {"no-plots", no_argument, NULL, 'n'},
-                                          {"help", no_argument, NULL, 'h'},
-                                          {0}};
-    int c;
-    *options = (struct options){NULL, NULL, true};
-    *help = false;
-    while ((c = getopt_long(argc, argv, "o:h", known, NULL)) != -1) {
-        if (c == 'o')
-            options->out = optarg;
-        else if (c == 's')
-            options->series = optarg;
-        else if (c == 'n')
-            options->plots = false;
-        else if (c == 'h')
-            *help = true;
-        else
-            return status_fail(STATUS_USAGE, "see analyzer --help");
-    }
-    if (!*help && optind == argc)
-        return status_fail(STATUS_USAGE, "no directory given; see analyzer --help");
-    return STATUS_OK;
-}
-
 /* Analyses one run, writes its files, prints its table, adds it to the ensemble. The numbers come before the plots, so
  * that they are there even if gnuplot is not. */
-static enum status report(const struct analysis *analysis, const struct options *options, struct ensemble *ensemble)
+static enum status report(const struct analysis *analysis, const struct command *options, struct ensemble *ensemble)
 {
     int n_plots = 0;
     double key_value = 0;
@@ -78,21 +36,47 @@ static enum status report(const struct analysis *analysis, const struct options 
                        judgement->verdict == WORTH_FAILED ? "failed" : "is doubtful", judgement->headline);
 }
 
-static enum status analyse(const char *directory, const struct options *options, struct ensemble *ensemble)
+/* The other stages of a run: a table and analysis-NAME.json each; curves.csv of all, plots of the whole path. */
+static enum status report_stages(const struct analysis *main_stage, const struct command *options)
 {
+    const struct scene *scene = main_stage->run.scene;
+    struct analysis *analysis = malloc(sizeof *analysis);
+    enum status status = analysis ? STATUS_OK : status_fail(STATUS_NO_MEMORY, "out of memory");
+    for (int k = 0; status == STATUS_OK && k < scene->n_stages; k++) {
+        const struct analysis_choice choice = {scene->stage[k].name, options->setting, options->n_settings};
+        status = analysis_make(analysis, main_stage->directory, &choice);
+        if (status != STATUS_OK)
+            break;
+        if (k != main_stage->curves.stage)
+            report_table_print(stdout, analysis);
+        status = analysis_write_stage(analysis);
+        analysis_free(analysis);
+    }
+    free(analysis);
+    TRY(status);
+    TRY(analysis_write_all_curves(main_stage));
+    return options->plots ? plots_write_path(main_stage) : STATUS_OK;
+}
+
+static enum status analyse(const char *directory, const struct command *options, struct ensemble *ensemble)
+{
+    const bool all = options->stage && strcmp(options->stage, "all") == 0;
+    const struct analysis_choice choice = {all ? NULL : options->stage, options->setting, options->n_settings};
     struct analysis *analysis = malloc(sizeof *analysis);
     if (!analysis)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    enum status status = analysis_make(analysis, directory);
+    enum status status = analysis_make(analysis, directory, &choice);
     if (status == STATUS_OK) {
         status = report(analysis, options, ensemble);
+        enum status others = all ? report_stages(analysis, options) : STATUS_OK; /* after its own plots */
+        status = others == STATUS_OK ? status : others;
         analysis_free(analysis);
     }
     free(analysis);
     return status;
 }
 
-static enum status series_report(struct ensemble *ensemble, const struct options *options)
+static enum status series_report(struct ensemble *ensemble, const struct command *options)
 {
     int curves;
     series_sort(ensemble);
@@ -106,7 +90,7 @@ static enum status series_report(struct ensemble *ensemble, const struct options
     return STATUS_OK;
 }
 
-static enum status ensemble_report(struct ensemble *ensemble, const struct options *options)
+static enum status ensemble_report(struct ensemble *ensemble, const struct command *options)
 {
     char path[2048];
     if (options->out && mkdir(options->out, 0777) != 0 && errno != EEXIST)
@@ -125,21 +109,20 @@ static enum status ensemble_report(struct ensemble *ensemble, const struct optio
 
 int main(int argc, char **argv)
 {
-    struct options options;
+    struct command options;
     struct ensemble ensemble = {0};
-    bool help;
-    enum status status = options_read(argc, argv, &options, &help);
+    enum status status = command_read(&options, argc, argv);
     int code = status_report("analyzer", status);
-    if (status != STATUS_OK || help) {
-        fputs(help ? usage : "", stdout);
+    if (status != STATUS_OK || options.help) {
+        fputs(options.help ? command_usage : "", stdout);
         return code;
     }
     /* one bad run does not cost the others; the exit code is that of the first failure */
-    for (int k = optind; k < argc; k++) {
+    for (int k = options.first; k < argc; k++) {
         int failed = status_report("analyzer", analyse(argv[k], &options, &ensemble));
         code = code ? code : failed;
     }
-    if ((argc - optind > 1 || options.out) && ensemble.n > 0) {
+    if ((argc - options.first > 1 || options.out) && ensemble.n > 0) {
         int failed = status_report("analyzer", ensemble_report(&ensemble, &options));
         code = code ? code : failed;
     }

@@ -23,7 +23,7 @@ static const char preamble[] =
     "set output '%s.svg'\n"
     "set border 31 linewidth 1.2\n"
     "set tics nomirror in scale 0.8\n"
-    "set mxtics 2\nset mytics 2\n"
+    "set mxtics 2\nset mytics 2\nset format '%%.4g'\nset xtics font ',13'\nset ytics font ',13'\n"
     "set grid linewidth 0.6 linecolor '#cccccc'\n"
     "set autoscale xfix\nset offsets 0, graph 0.02, graph 0.05, graph 0.05\n"
     "set key outside above horizontal Left reverse samplen 2 spacing 1.15 width 1 font ',12'\n";
@@ -53,6 +53,23 @@ static enum curve plot_volumetric(const struct plot *plot)
     return curve_volumetric_strain(plot->analysis->run.scene->analysis.strain);
 }
 
+/* Unit in which stresses are read at a glance, chosen by the largest of the stage: factor from Pa, and name. */
+struct stress_unit {
+    double factor;
+    const char *name;
+};
+
+static struct stress_unit stress_unit(const struct plot *plot)
+{
+    const struct curves *curves = &plot->analysis->curves;
+    double largest = 0;
+    for (size_t k = 0; k < curves->n; k++)
+        largest = fmax(largest, fmax(fabs(curves->column[CURVE_SIGMA_ZZ][k]), fabs(curves->column[CURVE_SIGMA_XX][k])));
+    if (largest >= 1e6)
+        return (struct stress_unit){1e-6, "MPa"};
+    return largest >= 1e4 ? (struct stress_unit){1e-3, "kPa"} : (struct stress_unit){1, "Pa"};
+}
+
 static bool defined(const struct plot *plot, enum quantity_id id)
 {
     return isfinite(plot->analysis->quantity[id].value);
@@ -71,29 +88,29 @@ static void stress_strain(const struct plot *plot)
     const struct quantity *q = plot->analysis->quantity;
     bool corrected = isfinite(plot->analysis->curves.controls.lateral_pressure_pa);
     abscissa(plot);
-    fprintf(plot->out, "set ylabel 'stress [N/m²]'\n");
+    const struct stress_unit unit = stress_unit(plot);
+    fprintf(plot->out, "s = %g\nset ylabel 'stress [%s]'\n", unit.factor, unit.name);
     bool peak = defined(plot, QUANTITY_PEAK_SIGMA_CORR);
     if (peak)
         fprintf(plot->out, "$peak << END\nx,y,u\n%.10g,%.10g,%.10g\nEND\n", 100 * q[QUANTITY_PEAK_EPS_ZZ].value,
                 q[QUANTITY_PEAK_SIGMA_CORR].value, fmax(0, q[QUANTITY_PEAK_SIGMA_CORR].uncertainty));
     fprintf(plot->out,
-            "plot 'curves.csv' using (%s):(column('sigma_zz_pa')) with lines linewidth 2 linecolor '" BLUE
+            "plot 'curves.csv' using (%s):(s*column('sigma_zz_pa')) with lines linewidth 2 linecolor '" BLUE
             "' title '{/Symbol s}_{zz}', \\\n"
-            "     '' using (%s):(column('sigma_xx_pa')) with lines linewidth 2 linecolor '" GREEN
+            "     '' using (%s):(s*column('sigma_xx_pa')) with lines linewidth 2 linecolor '" GREEN
             "' title '{/Symbol s}_{xx}'",
             plot->x, plot->x);
     if (corrected)
-        fprintf(
-            plot->out,
-            ", \\\n     '' using (%s):(column('sigma_corr_pa')) with lines linewidth 1.5 dashtype 2 linecolor '" ORANGE
-            "' title '{/Symbol s}_{corr} = p_x {/Symbol s}_{zz}/{/Symbol s}_{xx}'",
-            plot->x);
+        fprintf(plot->out,
+                ", \\\n     '' using (%s):(s*column('sigma_corr_pa')) with lines linewidth 1.5 dashtype (14,7) "
+                "linecolor '" ORANGE "' title '{/Symbol s}_{corr} = p_x {/Symbol s}_{zz}/{/Symbol s}_{xx}'",
+                plot->x);
     if (peak)
-        fprintf(
-            plot->out,
-            ", \\\n     $peak using 1:2:3 with yerrorbars pointtype 7 pointsize 0.8 linewidth 1.5 linecolor 'black' "
-            "title '%s'",
-            q[QUANTITY_PEAK_SIGMA_CORR].text[0] ? "largest {/Symbol s}_{corr}" : "peak");
+        fprintf(plot->out,
+                ", \\\n     $peak using 1:(s*$2):(s*$3) with yerrorbars pointtype 7 pointsize 0.8 linewidth 1.5 "
+                "linecolor 'black' "
+                "title '%s'",
+                q[QUANTITY_PEAK_SIGMA_CORR].text[0] ? "largest {/Symbol s}_{corr}" : "peak");
     fputc('\n', plot->out);
 }
 
@@ -122,19 +139,21 @@ static void slope_line(const struct plot *plot, enum quantity_id id, double sign
     const struct quantity *quantity = &plot->analysis->quantity[id];
     double x, y, a = quantity->window[0],
                  b = quantity->window[0] + stretch * (quantity->window[1] - quantity->window[0]);
-    if (!defined(plot, id))
+    if (!defined(plot, id) || plot->analysis->curves.controls.extension)
         return;
     mean_point(plot, quantity, &x, &y);
+    if (!isfinite(x)) /* no sample in the window */
+        return;
     /* a slope of logarithmic strains, drawn over engineering ones */
     double slope = sign * quantity->value;
     if (plot_axial(plot) == CURVE_EPS_ZZ)
         slope *= (1 - y) / (1 - x);
     fprintf(
         plot->out,
-        ", \\\n     [%.10g:%.10g] %.10g + (%.10g)*(x - %.10g) with lines linewidth 2 dashtype %d linecolor '%s' title "
+        ", \\\n     [%.10g:%.10g] %.10g + (%.10g)*(x - %.10g) with lines linewidth 2 dashtype %s linecolor '%s' title "
         "'%s: slope %.3g'",
-        100 * a, 100 * b, 100 * y, slope, 100 * x, stretch > 1 ? 3 : 2, stretch > 1 ? ORANGE : "black", title,
-        quantity->value);
+        100 * a, 100 * b, 100 * y, slope, 100 * x, stretch > 1 ? "(4,6)" : "(14,7)", stretch > 1 ? ORANGE : "black",
+        title, quantity->value);
 }
 
 static void volumetric_strain(const struct plot *plot)
@@ -155,36 +174,36 @@ static void volumetric_strain(const struct plot *plot)
 static void fabric(const struct plot *plot)
 {
     abscissa(plot);
-    fprintf(
-        plot->out,
-        "set ylabel 'contacts per particle'\nset y2label 'solid fraction'\nset y2tics\n"
-        "plot 'curves.csv' using (%s):(column('coordination')) with lines linewidth 2 linecolor '" BLUE
-        "' title 'coordination', \\\n"
-        "     '' using (%s):(column('coordination_no_rattlers')) with lines linewidth 2 dashtype 2 linecolor '" GREEN
-        "' title 'without rattlers', \\\n"
-        "     '' using (%s):(column('solid_fraction')) axes x1y2 with lines linewidth 2 linecolor '" ORANGE
-        "' title 'solid fraction (right)'\n",
-        plot->x, plot->x, plot->x);
+    fprintf(plot->out,
+            "set ylabel 'contacts per particle'\nset y2label 'solid fraction'\nset y2tics\n"
+            "plot 'curves.csv' using (%s):(column('coordination')) with lines linewidth 2 linecolor '" BLUE
+            "' title 'coordination', \\\n"
+            "     '' using (%s):(column('coordination_no_rattlers')) with lines linewidth 2 dashtype (14,7) linecolor "
+            "'" GREEN "' title 'without rattlers', \\\n"
+            "     '' using (%s):(column('solid_fraction')) axes x1y2 with lines linewidth 2 linecolor '" ORANGE
+            "' title 'solid fraction (right)'\n",
+            plot->x, plot->x, plot->x);
 }
 
 static void loops(const struct plot *plot)
 {
     size_t n = plot->analysis->cycles.n, chosen[3] = {1, 2, n};
     static const char *const colours[] = {BLUE, GREEN, ORANGE};
-    fprintf(
-        plot->out,
-        "set xlabel 'deviatoric strain {/Symbol e}_D [%%]'\nset ylabel 'deviatoric stress {/Symbol s}_D [N/m²]'\n"
+    const struct stress_unit unit = stress_unit(plot);
+    fprintf(plot->out, "s = %g\nset ylabel 'deviatoric stress {/Symbol s}_D [%s]'\n", unit.factor, unit.name);
+    fprintf(plot->out,
+            "set xlabel 'deviatoric strain {/Symbol e}_D [%%]'\n"
 
-        "plot 'curves.csv' using (100*column('eps_d')):(column('sigma_d_pa')) with lines linewidth 0.8 linecolor '" GREY
-        "' title 'all %zu cycles'",
-        n);
+            "plot 'curves.csv' using (100*column('eps_d')):(s*column('sigma_d_pa')) with lines linewidth 0.8 linecolor "
+            "'" GREY "' title 'all %zu cycles'",
+            n);
     for (size_t k = 0; k < 3; k++)
         if (chosen[k] <= n && chosen[k] > (k ? chosen[k - 1] : 0))
-            fprintf(
-                plot->out,
-                ", \\\n     '' using (column('cycle') == %zu ? 100*column('eps_d') : NaN):(column('sigma_d_pa')) with "
-                "lines linewidth 2 linecolor '%s' title 'cycle %zu'",
-                chosen[k], colours[k], chosen[k]);
+            fprintf(plot->out,
+                    ", \\\n     '' using (column('cycle') == %zu ? 100*column('eps_d') : NaN):(s*column('sigma_d_pa')) "
+                    "with "
+                    "lines linewidth 2 linecolor '%s' title 'cycle %zu'",
+                    chosen[k], colours[k], chosen[k]);
     fputc('\n', plot->out);
 }
 
@@ -211,24 +230,91 @@ static void accumulation_log(const struct plot *plot)
             2 * plot->analysis->cycles.n);
     if (isfinite(a) && isfinite(b))
         fprintf(plot->out,
-                ", \\\n     %.10g*x**(%.10g) with lines linewidth 2 dashtype 2 linecolor '" ORANGE
+                ", \\\n     %.10g*x**(%.10g) with lines linewidth 2 dashtype (14,7) linecolor '" ORANGE
                 "' title 'fit a N^{b}, b = %.3g'",
                 a, b, b);
     fputc('\n', plot->out);
 }
 
+/* The path in the plane of p and q. */
+static void path(const struct plot *plot)
+{
+    const struct stress_unit unit = stress_unit(plot);
+    fprintf(plot->out,
+            "s = %g\nset xlabel 'p [%s]'\nset ylabel 'q [%s]'\n"
+            "plot 'curves.csv' using (s*column('p_pa')):(s*column('q_pa')) with lines linewidth 2 linecolor '" BLUE
+            "' title 'path', \\\n"
+            "     '' using (s*column('p_pa')):(s*column('q_pa')) every ::0::0 with points pointtype 7 pointsize 0.9 "
+            "linecolor 'black' title 'start'\n",
+            unit.factor, unit.name, unit.name);
+}
+
+static void stiffness(const struct plot *plot)
+{
+    fprintf(
+        plot->out,
+        "set logscale x\nset format x '10^{%%T}'\nset mxtics 10\n"
+        "set xlabel 'axial strain |{/Symbol e}_{zz}|'\nset ylabel 'modulus [kPa]'\n"
+        "plot 'stiffness.csv' using 'eps_zz':(1e-3*column('secant_pa')) with lines linewidth 2 linecolor '" BLUE
+        "' title 'secant q/{/Symbol e}_{zz}', \\\n"
+        "     '' using 'eps_zz':(1e-3*column('tangent_pa')) with lines linewidth 2 dashtype (14,7) linecolor '" ORANGE
+        "' title 'tangent'\n");
+}
+
+static void void_ratio(const struct plot *plot)
+{
+    const bool isotropic = plot->analysis->curves.controls.kind == TEST_ISOTROPIC;
+    const struct stress_unit unit = stress_unit(plot);
+    fprintf(plot->out,
+            "s = %g\nset logscale x\nset xlabel '%s [%s]'\nset ylabel 'void ratio e'\n"
+            "plot 'curves.csv' using (column('%s') > 0 ? s*column('%s') : NaN):(column('void_ratio')) with lines "
+            "linewidth 2 linecolor '" BLUE "' notitle\n",
+            unit.factor, isotropic ? "p" : "{/Symbol s}_{zz}", unit.name, isotropic ? "p_pa" : "sigma_zz_pa",
+            isotropic ? "p_pa" : "sigma_zz_pa");
+}
+
+/* All stages of the run over time. */
+static void whole_path(const struct plot *plot)
+{
+    const struct stress_unit unit = stress_unit(plot);
+    fprintf(plot->out,
+            "s = %g\nset xlabel 'time [s]'\nset ylabel 'stress [%s]'\nset y2label 'solid fraction'\nset y2tics\n"
+            "plot 'curves.csv' using (column('time_s')):(s*column('p_pa')) with lines linewidth 2 linecolor '" BLUE
+            "' title 'p', \\\n"
+            "     '' using (column('time_s')):(s*column('q_pa')) with lines linewidth 2 linecolor '" GREEN
+            "' title 'q', \\\n"
+            "     '' using (column('time_s')):(column('solid_fraction')) axes x1y2 with lines linewidth 2 linecolor "
+            "'" ORANGE "' title 'solid fraction (right)'\n",
+            unit.factor, unit.name);
+}
+
 static const struct plot_kind {
     const char *stem;
     void (*body)(const struct plot *plot);
-    bool cyclic; /* needs finished cycles */
+    unsigned tests; /* that have the plot */
 } kinds[] = {
-    {"stress_strain", stress_strain, false},
-    {"volumetric_strain", volumetric_strain, false},
-    {"fabric", fabric, false},
-    {"loops", loops, true},
-    {"accumulation", accumulation, true},
-    {"accumulation_log", accumulation_log, true},
+    {"stress_strain", stress_strain, TESTS_ANY},
+    {"volumetric_strain", volumetric_strain, TESTS_ANY},
+    {"fabric", fabric, TESTS_ANY},
+    {"path", path, TESTS_SHEAR},
+    {"stiffness", stiffness, TESTS_SHEAR},
+    {"void_ratio", void_ratio, TESTS_COMPRESSION},
+    {"loops", loops, TESTS_CYCLIC},
+    {"accumulation", accumulation, TESTS_CYCLIC},
+    {"accumulation_log", accumulation_log, TESTS_CYCLIC},
 };
+
+static const struct plot_kind of_all_stages[] = {
+    {"path", path, TESTS_ANY},
+    {"whole_path", whole_path, TESTS_ANY},
+};
+
+static bool is_made(const struct analysis *analysis, const struct plot_kind *kind)
+{
+    if (!(kind->tests >> analysis->curves.controls.kind & 1))
+        return false;
+    return kind->body == stiffness ? analysis->stiffness.n > 1 : kind->tests != TESTS_CYCLIC || analysis->cycles.n > 0;
+}
 
 static enum status script_write(const struct analysis *analysis, const struct plot_kind *kind)
 {
@@ -281,11 +367,20 @@ enum status plots_write(const struct analysis *analysis, int *n_made)
     if (analysis->curves.n < 2)
         return STATUS_OK;
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
-        if (kinds[k].cyclic && analysis->cycles.n == 0)
+        if (!is_made(analysis, &kinds[k]))
             continue;
         TRY(script_write(analysis, &kinds[k]));
         TRY(plots_run(analysis->directory, kinds[k].stem));
         (*n_made)++;
+    }
+    return STATUS_OK;
+}
+
+enum status plots_write_path(const struct analysis *analysis)
+{
+    for (size_t k = 0; k < sizeof of_all_stages / sizeof of_all_stages[0]; k++) {
+        TRY(script_write(analysis, &of_all_stages[k]));
+        TRY(plots_run(analysis->directory, of_all_stages[k].stem));
     }
     return STATUS_OK;
 }

@@ -11,6 +11,9 @@
  * not installed or fails. */
 enum status plots_write(const struct analysis *analysis, int *n_made) MUST_USE;
 
+/* Plots of all stages from a curves.csv that holds them: path (q against p) and whole_path (over time). STATUS_IO. */
+enum status plots_write_path(const struct analysis *analysis) MUST_USE;
+
 /* Runs `gnuplot <stem>.gp` in the directory and waits for it. STATUS_IO if it is not installed or fails. */
 enum status plots_run(const char *directory, const char *stem) MUST_USE;
 

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <hdf5.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -126,20 +127,45 @@ static enum status root_read(hid_t file, const char *path, struct run *run)
     return STATUS_OK;
 }
 
-static enum status scene_read(hid_t file, const char *path, struct run *run)
+/* The text with assignments applied; owned by the caller. */
+static enum status text_set(const char *text, const char *const *settings, int n, char **result)
 {
-    char *text = NULL;
+    config_t config;
+    size_t size = 0;
+    config_init(&config);
+    enum status status = STATUS_OK;
+    if (config_read_string(&config, text) != CONFIG_TRUE)
+        status = status_fail(STATUS_CONFIG, "effective_config:%d: %s", config_error_line(&config),
+                             config_error_text(&config));
+    for (int k = 0; status == STATUS_OK && k < n; k++)
+        status = config_override(&config, settings[k]);
+    FILE *out = status == STATUS_OK ? open_memstream(result, &size) : NULL;
+    if (out)
+        config_write(&config, out);
+    if (status == STATUS_OK && (!out || fclose(out) != 0))
+        status = status_fail(STATUS_NO_MEMORY, "out of memory");
+    config_destroy(&config);
+    return status;
+}
+
+static enum status scene_read(hid_t file, const char *path, struct run *run, const char *const *settings, int n)
+{
+    char *text = NULL, *changed = NULL;
     char where[512];
     TRY(text_read(file, path, "/parameters", "effective_config", &text));
     run->scene = calloc(1, sizeof *run->scene);
     snprintf(where, sizeof where, "%s: effective_config", path);
-    enum status status =
-        run->scene ? scene_parse(run->scene, text, where) : status_fail(STATUS_NO_MEMORY, "out of memory");
+    enum status status = run->scene ? STATUS_OK : status_fail(STATUS_NO_MEMORY, "out of memory");
+    if (status == STATUS_OK && n > 0)
+        status = text_set(text, settings, n, &changed);
+    if (status == STATUS_OK)
+        status = scene_parse(run->scene, changed ? changed : text, where);
     free(text);
+    free(changed);
     return status;
 }
 
-static enum status parameters_read(hid_t file, const char *path, struct run *run)
+static enum status parameters_read(hid_t file, const char *path, struct run *run, const char *const *settings, int n)
 {
     static const char group[] = "/parameters";
     if (H5Lexists(file, group, H5P_DEFAULT) <= 0)
@@ -149,7 +175,7 @@ static enum status parameters_read(hid_t file, const char *path, struct run *run
     TRY(short_text_read(file, path, group, "kernel_set", run->kernel_set, sizeof run->kernel_set));
     TRY(number_read(file, path, group, "seed", H5T_NATIVE_INT64, &run->seed));
     TRY(number_read(file, path, group, "dimension", H5T_NATIVE_INT, &run->dimension));
-    TRY(scene_read(file, path, run));
+    TRY(scene_read(file, path, run, settings, n));
     if (run->dimension != run->scene->dimension || run->dimension < 2 || run->dimension > 3)
         return status_fail(STATUS_FORMAT, "%s: %s: dimension %d does not fit the scene's %d", path, group,
                            run->dimension, (int)run->scene->dimension);
@@ -354,16 +380,21 @@ static enum status notes_read(hid_t file, const char *path, struct run *run)
     return closed || status != STATUS_OK ? status : missing(path, "/notes", "cannot be closed");
 }
 
-static enum status file_read(hid_t file, const char *path, struct run *run)
+static enum status file_read(hid_t file, const char *path, struct run *run, const char *const *settings, int n)
 {
     TRY(root_read(file, path, run));
-    TRY(parameters_read(file, path, run));
+    TRY(parameters_read(file, path, run, settings, n));
     TRY(observables_read(file, path, run));
     TRY(notes_read(file, path, run));
     return boxes_check(path, run);
 }
 
 enum status run_read(struct run *run, const char *path)
+{
+    return run_read_set(run, path, NULL, 0);
+}
+
+enum status run_read_set(struct run *run, const char *path, const char *const *settings, int n)
 {
     memset(run, 0, sizeof *run);
     if (access(path, R_OK) != 0)
@@ -374,7 +405,7 @@ enum status run_read(struct run *run, const char *path)
     hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
     if (file < 0)
         return missing(path, "file", "is not HDF5, is truncated, or is still being written");
-    enum status status = file_read(file, path, run);
+    enum status status = file_read(file, path, run, settings, n);
     if (H5Fclose(file) < 0 && status == STATUS_OK)
         status = missing(path, "file", "cannot be closed");
     if (status != STATUS_OK)

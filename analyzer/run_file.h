@@ -83,6 +83,10 @@ struct run {
  * STATUS_NO_MEMORY. */
 enum status run_read(struct run *run, const char *path) MUST_USE;
 
+/* The same with assignments "analysis.KEY=VALUE" [n] on top of the configuration in force; STATUS_CONFIG for one that
+ * is wrong. */
+enum status run_read_set(struct run *run, const char *path, const char *const *settings, int n) MUST_USE;
+
 /* Releases what `run` owns; harmless on a run that is all zero. */
 void run_free(struct run *run);
 

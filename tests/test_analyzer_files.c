@@ -98,9 +98,9 @@ static void of_an_earlier_version(void **state)
     const struct place *place = *state;
     struct analysis now, then;
     biaxial_written(place->directory, true, NULL);
-    assert_int_equal(analysis_make(&now, place->directory), STATUS_OK);
+    assert_int_equal(analysis_make(&now, place->directory, NULL), STATUS_OK);
     biaxial_written(place->directory, true, &(struct flaw){.omit = "controller_residual_j"});
-    if (analysis_make(&then, place->directory) != STATUS_OK)
+    if (analysis_make(&then, place->directory, NULL) != STATUS_OK)
         fail_msg("%s", status_message());
     for (int id = 0; id < QUANTITIES; id++) {
         if (id == QUANTITY_CONTROLLER_RESIDUAL || isnan(now.quantity[id].value))
@@ -190,11 +190,11 @@ static double number_of(json_t *root, const char *key, const char *member)
 static void write_all(const char *directory, struct analysis *analysis)
 {
     int n_plots;
-    assert_int_equal(analysis_make(analysis, directory), STATUS_OK);
+    assert_int_equal(analysis_make(analysis, directory, NULL), STATUS_OK);
     assert_int_equal(analysis_write(analysis), STATUS_OK);
     if (plots_write(analysis, &n_plots) != STATUS_OK)
         fail_msg("%s", status_message());
-    assert_int_equal(n_plots, analysis->curves.controls.kind == TEST_CYCLIC ? 6 : 3);
+    assert_int_equal(n_plots, analysis->curves.controls.kind == TEST_CYCLIC ? 6 : 5);
 }
 
 static size_t file_size(const char *directory, const char *name)

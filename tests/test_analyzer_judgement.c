@@ -159,7 +159,7 @@ static void cut_is_not_evaluated(void **state)
     run.n_samples = 5 + 250;
     run.complete = false;
     fixture_write(&run, fixture_biaxial_config, directory, NULL);
-    assert_int_equal(analysis_make(analysis, directory), STATUS_OK);
+    assert_int_equal(analysis_make(analysis, directory, NULL), STATUS_OK);
     assert_true(isnan(analysis->quantity[QUANTITY_CRITICAL_SIN_PHI].value));
     assert_non_null(strstr(analysis->quantity[QUANTITY_CRITICAL_SIN_PHI].text, "did not end: INTERRUPTED at"));
     assert_near(analysis->quantity[QUANTITY_E_INITIAL].value, 1e5, 1); /* lies behind */
