@@ -9,6 +9,7 @@
 #include "analyzer/analysis_files.h"
 #include "analyzer/command.h"
 #include "analyzer/ensemble.h"
+#include "analyzer/mohr.h"
 #include "analyzer/plots.h"
 #include "analyzer/report_table.h"
 #include "analyzer/series.h"
@@ -97,13 +98,17 @@ static enum status ensemble_report(struct ensemble *ensemble, const struct comma
         return status_fail(STATUS_IO, "%s: %s", options->out, strerror(errno));
     if (options->series)
         return series_report(ensemble, options);
+    bool tangent;
     TRY(ensemble_print(stdout, ensemble));
+    TRY(mohr_report(stdout, ensemble, options->out, &tangent));
+    if (tangent && options->out)
+        TRY(plots_run(options->out, "mohr"));
     if (!options->out)
         return STATUS_OK;
     if (snprintf(path, sizeof path, "%s/ensemble.json", options->out) >= (int)sizeof path)
         return status_fail(STATUS_USAGE, "%.60s...: the path is too long", options->out);
     TRY(ensemble_write(ensemble, path));
-    printf("results: %s\n", path);
+    printf("results: %s%s\n", path, tangent ? ", mohr.json, mohr.svg" : "");
     return STATUS_OK;
 }
 

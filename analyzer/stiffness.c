@@ -31,7 +31,7 @@ static void rows_fill(struct stiffness *stiffness, const struct loading *loading
         row->eps = eps;
         row->q_pa = loading_smooth(loading, q, eps, half) - q[0];
         row->secant_pa = row->q_pa / x;
-        row->tangent_pa = loading_smooth_slope(loading, LOADING_Q, eps, half);
+        row->tangent_pa = loading_smooth_slope(loading, LOADING_Q, eps, fmax(half, fmin(eps / 2, last / 10)));
         row->ratio = loading_smooth(loading, loading->y[LOADING_RATIO], eps, half);
         row->dilatancy =
             loading->sign > 0 ? 1 - loading_smooth_slope(loading, LOADING_EPS_V_LOG, eps, fmax(half, last / 40)) : NAN;
