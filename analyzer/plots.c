@@ -153,7 +153,7 @@ static void slope_line(const struct plot *plot, enum quantity_id id, double sign
         ", \\\n     [%.10g:%.10g] %.10g + (%.10g)*(x - %.10g) with lines linewidth 2 dashtype %s linecolor '%s' title "
         "'%s: slope %.3g'",
         100 * a, 100 * b, 100 * y, slope, 100 * x, stretch > 1 ? "(4,6)" : "(14,7)", stretch > 1 ? ORANGE : "black",
-        title, quantity->value);
+        title, sign * quantity->value);
 }
 
 static void volumetric_strain(const struct plot *plot)
