@@ -8,19 +8,22 @@ static const double changed_share = 0.1;
 /* What an axis does, as the configuration has it. */
 enum role { ROLE_REST, ROLE_STRAIN, ROLE_HELD, ROLE_STRESS, ROLE_FOLLOWS, ROLE_CYCLED };
 
-static double axis_period(const struct scene_axis *axis)
+/* The leading wall of a strain course that goes nowhere rests. */
+static bool is_strained(const struct scene_axis *axis)
 {
-    return axis->mode == WALL_STRESS && axis->target == TARGET_COSINE ? axis->period_s : 0;
+    if (axis->course == COURSE_RATE)
+        return axis->rate_per_s != 0;
+    return axis->course == COURSE_TABLE || axis->strain != 0;
 }
 
 static enum role role_of(const struct scene_axis *axis)
 {
-    if (axis_period(axis) > 0)
+    if (scene_axis_period_s(axis) > 0)
         return ROLE_CYCLED;
     if (axis->mode == WALL_FIXED)
         return ROLE_REST;
     if (axis->mode == WALL_STRAIN)
-        return axis->strain != 0 ? ROLE_STRAIN : ROLE_REST;
+        return is_strained(axis) ? ROLE_STRAIN : ROLE_REST;
     if (axis->mode == WALL_STRESS)
         return axis->target == TARGET_CONSTANT ? ROLE_HELD : ROLE_STRESS;
     return ROLE_FOLLOWS;
@@ -168,7 +171,7 @@ static void configuration_read(struct controls *controls, const struct scene_sta
     if (count_role(stage, dimension, ROLE_CYCLED, &axis) > 0) {
         controls->kind = TEST_CYCLIC;
         controls->axial = (enum axis)axis;
-        controls->period_s = axis_period(&stage->axis[axis]);
+        controls->period_s = scene_axis_period_s(&stage->axis[axis]);
         controls->stress_led = stage->axis[axis].mode == WALL_STRESS;
     } else if (rest == dimension) {
         controls->kind = TEST_RELAXATION;

@@ -121,7 +121,7 @@ static void inertial_check(struct judgement *judgement, const struct run *run, i
 /* The target of an axis at a time of its stage; NaN if it has none that is known here. */
 static double target_at(const struct scene_axis *axis, double t)
 {
-    if (axis->mode != WALL_STRESS)
+    if (axis->mode != WALL_STRESS || axis->two_way || axis->amplitude_growth_pa != 0)
         return NAN;
     switch (axis->target) {
     case TARGET_CONSTANT:
