@@ -187,8 +187,9 @@ static void configuration_read(struct controls *controls, const struct scene_sta
         controls->stress_led = true;
         controls->kind = rest == dimension - 1 ? TEST_OEDOMETER : TEST_SHEAR;
     } else if (held + rest == dimension) {
-        controls->kind = TEST_CREEP;
-        controls->stress_led = true;
+        const bool axial_rests = role_of(&stage->axis[AXIS_Z]) == ROLE_REST;
+        controls->kind = axial_rests ? TEST_RELAXATION : TEST_CREEP;
+        controls->stress_led = !axial_rests;
     }
 }
 

@@ -18,7 +18,7 @@ enum test_kind {
     TEST_CONSTANT_VOLUME, /* one axis leads, the lateral ones keep the volume */
     TEST_CYCLIC,          /* an axis is cycled */
     TEST_CREEP,           /* all stresses are held */
-    TEST_RELAXATION,      /* all walls rest */
+    TEST_RELAXATION,      /* all walls rest, or the axial ones while the lateral ones hold a stress */
     TEST_KINDS
 };
 

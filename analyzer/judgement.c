@@ -65,13 +65,22 @@ double judgement_residual(const struct run *run, enum observable residual, size_
     return total > 0 ? fabs(*run_record(run, residual, end - 1)) / (*net ? fabs(work) : total) : NAN;
 }
 
+/* Over the work, or over the energy in the sample where that is more: a sample that comes to rest does hardly any work.
+ */
 static void residual_check(struct judgement *judgement, const struct run *run, int stage, size_t begin, size_t end)
 {
     bool net;
-    const double residual = judgement_residual(run, OBSERVABLE_ENERGY_RESIDUAL, begin, end, &net);
+    double residual = judgement_residual(run, OBSERVABLE_ENERGY_RESIDUAL, begin, end, &net), energy = 0;
+    for (size_t k = begin; k < end; k++)
+        energy = fmax(energy, *run_record(run, OBSERVABLE_ELASTIC_NORMAL, k) +
+                                  *run_record(run, OBSERVABLE_ELASTIC_TANGENTIAL, k) +
+                                  *run_record(run, OBSERVABLE_KINETIC_ENERGY, k));
+    if (energy > 0)
+        residual = fmin(residual, fabs(*run_record(run, OBSERVABLE_ENERGY_RESIDUAL, end - 1)) / energy);
     if (residual > judgement_residual_doubtful && already(run, stage_name(run, stage)) < WORTH_DOUBTFUL)
         add(judgement, stage_name(run, stage), WORTH_DOUBTFUL,
-            "the energy ledger does not close: its residual is %.3g %% of the work (bound %g %%); a shorter time step "
+            "the energy ledger does not close: its residual is %.3g %% of the work (of the energy, where that is more; "
+            "bound %g %%); a shorter time step "
             "would tell",
             100 * residual, 100 * judgement_residual_doubtful);
 }
