@@ -67,12 +67,19 @@ const char *scene_law_name(int law)
     return names[law];
 }
 
+bool scene_axis_has_target(const struct scene_axis *axis)
+{
+    const bool keeps = axis->mode == WALL_COUPLED && (axis->keep == KEEP_P || axis->keep == KEEP_Q);
+    return axis->mode == WALL_STRESS || keeps;
+}
+
 double scene_axis_period_s(const struct scene_axis *axis)
 {
     if (axis->mode == WALL_STRAIN && (axis->course == COURSE_COSINE || axis->course == COURSE_TRIANGLE))
         return 1 / axis->frequency_hz;
-    const bool stress = axis->mode == WALL_STRESS || (axis->mode == WALL_COUPLED && axis->keep == KEEP_P);
-    return stress && (axis->target == TARGET_COSINE || axis->target == TARGET_TRIANGLE) ? axis->period_s : 0;
+    return scene_axis_has_target(axis) && (axis->target == TARGET_COSINE || axis->target == TARGET_TRIANGLE)
+               ? axis->period_s
+               : 0;
 }
 
 double scene_axis_rate_end_s(const struct scene_axis *axis)

@@ -44,7 +44,7 @@ enum wall_mode { WALL_FIXED, WALL_STRAIN, WALL_STRESS, WALL_COUPLED };
 enum wall_opposite { OPPOSITE_FIXED, OPPOSITE_MIRROR, OPPOSITE_CONSTANT };
 enum wall_course { COURSE_SMOOTH, COURSE_RATE, COURSE_COSINE, COURSE_TRIANGLE, COURSE_TABLE };
 enum wall_target { TARGET_CONSTANT, TARGET_RAMP, TARGET_COSINE, TARGET_TRIANGLE, TARGET_TABLE };
-enum wall_keep { KEEP_VOLUME, KEEP_P, KEEP_B, KEEP_PATH };
+enum wall_keep { KEEP_VOLUME, KEEP_P, KEEP_Q, KEEP_B, KEEP_PATH };
 
 /* One axis: the wall at its upper end, and what the lower one does. */
 struct scene_axis {
@@ -197,6 +197,9 @@ void scene_print_short(FILE *out, const struct scene *scene);
 
 /* Writes docs/scene-reference.md. */
 void scene_print_reference(FILE *out);
+
+/* Whether the axis has a target in time: of its stress, or of p or q if it keeps one of them. */
+bool scene_axis_has_target(const struct scene_axis *axis);
 
 /* Period of the cycles that are run along an axis; 0: none are. */
 double scene_axis_period_s(const struct scene_axis *axis);

@@ -93,11 +93,11 @@ static enum status stress_check(const struct place *place, const struct scene_ax
 {
     if (!(a->mass_kg > 0 || a->damping_kg_per_s > 0))
         return config_fail(place->at, place->path, "%s needs mass_kg or damping_kg_per_s above 0", mode);
-    const bool coupled = a->mode == WALL_COUPLED;
-    if (!coupled || a->keep == KEEP_P)
+    const bool timed = scene_axis_has_target(a);
+    if (timed)
         TRY(target_check(place, a));
-    const bool table = a->target == TARGET_TABLE && a->opposite != OPPOSITE_CONSTANT && (!coupled || a->keep == KEEP_P);
-    if (!table && !(coupled && a->keep == KEEP_B) && !is_given(place, "pressure_pa"))
+    const bool table = timed && a->target == TARGET_TABLE && a->opposite != OPPOSITE_CONSTANT;
+    if (!table && !(a->mode == WALL_COUPLED && a->keep == KEEP_B) && !is_given(place, "pressure_pa"))
         return config_fail(place->at, place->path, "%s needs pressure_pa; 0.0 is a free wall", mode);
     return STATUS_OK;
 }
@@ -117,13 +117,16 @@ static enum status path_check(const struct place *place, const struct scene_axis
 
 static enum status coupled_check(const struct place *place, const struct scene_axis *a, bool axial)
 {
-    static const char *const names[] = {"keep = \"volume\"", "keep = \"p\"", "keep = \"b\"", "keep = \"path\""};
+    static const char *const names[] = {"keep = \"volume\"", "keep = \"p\"", "keep = \"q\"", "keep = \"b\"",
+                                        "keep = \"path\""};
     if (a->opposite == OPPOSITE_CONSTANT)
         return config_fail(place->at, place->path,
                            "opposite \"constant\" goes with mode \"stress\"; allowed here: "
                            "\"fixed\", \"mirror\"");
     if (a->keep == KEEP_VOLUME)
         return STATUS_OK;
+    if (a->keep == KEEP_Q && !axial)
+        return config_fail(place->at, place->path, "keep = \"q\" is for walls.z");
     if (a->keep == KEEP_B && place->axis[0] != 'y')
         return config_fail(place->at, place->path, "keep = \"b\" is for walls.y of a 3D scene");
     if (a->keep == KEEP_PATH)
@@ -148,7 +151,7 @@ static enum status axis_check(const struct place *place, const struct scene_axis
     }
 }
 
-/* Two axes that keep one thing must mean the same by it; and one axis at least is not coupled. */
+/* Two axes that keep one thing must mean the same by it; and one axis at least is not coupled, or keeps q. */
 static enum status couplings_check(const struct place *place, const char *where)
 {
     const struct scene_axis *first = NULL;
@@ -157,7 +160,7 @@ static enum status couplings_check(const struct place *place, const char *where)
         const struct scene_axis *a = &place->stage->axis[k];
         if (a->mode != WALL_COUPLED)
             continue;
-        coupled++;
+        coupled += a->keep != KEEP_Q;
         if (a->keep != KEEP_P && a->keep != KEEP_PATH)
             continue;
         if (first && (first->keep != a->keep || first->target != a->target || first->pressure_pa != a->pressure_pa ||

@@ -13,7 +13,7 @@ static const char *const mode_names[] = {"fixed", "strain", "stress", "coupled",
 static const char *const opposite_names[] = {"fixed", "mirror", "constant", NULL};
 static const char *const course_names[] = {"smooth", "rate", "cosine", "triangle", "table", NULL};
 static const char *const target_names[] = {"constant", "ramp", "cosine", "triangle", "table", NULL};
-static const char *const keep_names[] = {"volume", "p", "b", "path", NULL};
+static const char *const keep_names[] = {"volume", "p", "q", "b", "path", NULL};
 static const char *const radius_names[] = {"uniform", "gaussian", NULL};
 static const char *const initial_names[] = {"lattice", "random", "checkpoint", NULL};
 static const char *const scheme_names[] = {"hold",      "jacobian",    "pipelined", "adaptive",
@@ -77,8 +77,9 @@ static const struct key axis_keys[] = {
      "stress control: constant pressure_pa; ramp to pressure_end_pa in ramp_s; cycles pressure_pa + amplitude_pa/2 "
      "(1 - cos(2 pi t/period_s)), or triangles; table: pressures_pa at times_s"},
     {"pressure_pa", KEY_FLOAT, OF(scene_axis, pressure_pa), "N/m^2", -INFINITY, INFINITY, "0", NULL, NULL,
-     "stress control: the target, compression positive (2D: force per side length, depth 1 m); keep = \"p\": p, with "
-     "any target; keep = \"path\": p where the path starts"},
+     "stress control: the target, compression positive (2D: force per side length, depth 1 m); keep = \"p\" or \"q\": "
+     "p or q, "
+     "with any target; keep = \"path\": p where the path starts"},
     {"pressure_end_pa", KEY_FLOAT, OF(scene_axis, pressure_end_pa), "N/m^2", -INFINITY, INFINITY, "0", NULL, NULL,
      "end of a ramp"},
     {"ramp_s", KEY_FLOAT, OF(scene_axis, ramp_s), "s", 0, INFINITY, "0", NULL, NULL, "length of a ramp"},
@@ -105,7 +106,7 @@ static const struct key axis_keys[] = {
      "stress control: damping gamma_x of the wall; mass and damping must not both be 0"},
     {"keep", KEY_CHOICE, OF(scene_axis, keep), NULL, 0, 0, "volume", keep_names, NULL,
      "mode \"coupled\": what the axis is moved for: the volume of the start of the stage; the mean stress p; "
-     "b (in y); or a straight path in p and q"},
+     "q (in z); b (in y); or a straight path in p and q"},
     {"b", KEY_FLOAT, OF(scene_axis, b), NULL, 0, 1, "0", NULL, NULL,
      "keep = \"b\": (sigma_yy - sigma_xx)/(sigma_zz - sigma_xx)"},
     {"dq_dp", KEY_FLOAT, OF(scene_axis, dq_dp), NULL, -INFINITY, INFINITY, "3", NULL, NULL,
@@ -283,7 +284,7 @@ void scene_stage_start(const struct scene *scene, struct scene_stage *stage)
 static double axis_length_s(const struct scene_axis *axis)
 {
     const double last_s = axis->times_s.count > 0 ? axis->times_s.value[axis->times_s.count - 1] : 0;
-    if (axis->mode == WALL_STRESS || (axis->mode == WALL_COUPLED && axis->keep == KEEP_P))
+    if (scene_axis_has_target(axis))
         return axis->target == TARGET_RAMP ? axis->ramp_s : axis->target == TARGET_TABLE ? last_s : 0;
     if (axis->mode != WALL_STRAIN)
         return 0;

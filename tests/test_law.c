@@ -666,6 +666,32 @@ static void kept_stresses_solve_their_equations(void **unused)
     }
 }
 
+/* q = 6 on z beside p = 10 on x and y: 8, 8, 14, whatever the forces; beside walls that keep the volume: sigma_xx + 6.
+ */
+static void q_is_kept(void **unused)
+{
+    struct scene *scene = fixture_scene(3);
+    struct wall_state state = fixture_state(6, 1);
+    struct scene_axis axis = {.mode = WALL_COUPLED, .keep = KEEP_P, .opposite = OPPOSITE_MIRROR, .mass_kg = 1};
+    (void)unused;
+    axis.pressure_pa = 10;
+    scene->stage[0].axis[AXIS_X] = scene->stage[0].axis[AXIS_Y] = axis;
+    axis.keep = KEEP_Q, axis.pressure_pa = 6;
+    scene->stage[0].axis[AXIS_Z] = axis;
+    state.interval_s = 1e-3;
+    const double tolerance = 16 * 16 * DBL_EPSILON; /* roundings of 14 N, over a mass of 1 kg */
+    struct wall_command command = answer(scene, &state);
+    assert_near(command.acceleration_m_per_s2[1], -8, tolerance);
+    assert_near(command.acceleration_m_per_s2[3], -8, tolerance);
+    assert_near(command.acceleration_m_per_s2[5], -14, tolerance);
+    scene->stage[0].axis[AXIS_X].keep = scene->stage[0].axis[AXIS_Y].keep = KEEP_VOLUME;
+    state.force_n[0] = state.force_n[1] = 7;
+    state.force_n[2] = state.force_n[3] = 9;
+    command = answer(scene, &state);
+    assert_near(command.acceleration_m_per_s2[5], -14, tolerance);
+    fixture_scene_free(scene);
+}
+
 /* p = 10, b = 0.25, sigma_zz = 16: sigma_xx = (3 p - (1 + b) sigma_zz)/(2 - b), sigma_yy = sigma_xx + b (16 - sigma_xx)
  */
 static void p_and_b_are_kept_together(void **unused)
@@ -889,6 +915,7 @@ int main(void)
         cmocka_unit_test(strain_cycles_have_their_rates),
         cmocka_unit_test(the_volume_is_kept_in_every_step),
         cmocka_unit_test(kept_stresses_solve_their_equations),
+        cmocka_unit_test(q_is_kept),
         cmocka_unit_test(p_and_b_are_kept_together),
         cmocka_unit_test(every_condition_ends_a_stage),
         cmocka_unit_test(conditions_have_a_schedule_of_their_own),

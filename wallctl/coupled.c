@@ -68,6 +68,11 @@ static void kept_equation(const struct scene_axis *axis, double t_s, int pairs, 
             row[k] = 1.0 / pairs;
         row[pairs] = wallctl_target_pressure_pa(axis, t_s);
         break;
+    case KEEP_Q:
+        for (int k = 0; k < pairs; k++)
+            row[k] = k == axial ? 1.0 : -1.0 / axial;
+        row[pairs] = wallctl_target_pressure_pa(axis, t_s);
+        break;
     case KEEP_PATH:
         for (int k = 0; k < pairs; k++)
             row[k] = (k == axial ? 1.0 : -1.0 / axial) - axis->dq_dp / pairs;
@@ -120,7 +125,7 @@ enum status coupled_targets(const struct scene *scene, const struct scene_stage 
         const struct scene_axis *axis = &stage->axis[scene_pair_axis(scene, pair)];
         double *row = equations.row[pair];
         if (axis->mode == WALL_COUPLED && axis_has_loop(axis)) {
-            const bool alike = axis->keep != KEEP_B;
+            const bool alike = axis->keep == KEEP_P || axis->keep == KEEP_PATH;
             kept_equation(axis, t_s, pairs, pair, alike ? p_or_path : -1, row);
             p_or_path = alike && p_or_path < 0 ? pair : p_or_path;
             coupled++;
