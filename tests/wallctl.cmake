@@ -29,3 +29,14 @@ if(SHAKEDOWN_SANITIZE MATCHES thread)
   set_tests_properties(bus wallctl PROPERTIES ENVIRONMENT
                        TSAN_OPTIONS=suppressions=${CMAKE_CURRENT_LIST_DIR}/tsan.supp)
 endif()
+
+add_executable(test_command_check ${CMAKE_CURRENT_LIST_DIR}/test_command_check.c)
+target_link_libraries(test_command_check PRIVATE wall_fixture shakedown_sim)
+add_test(NAME command_check COMMAND test_command_check)
+set_tests_properties(command_check PROPERTIES LABELS unit TIMEOUT 30)
+
+# A controller of one's own in place of wallctl, through the whole pipeline.
+add_test(NAME example_controller COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_example_controller.sh
+         $<TARGET_FILE:example-controller>)
+set_tests_properties(example_controller PROPERTIES LABELS pipeline TIMEOUT 120
+                     ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")

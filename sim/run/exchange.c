@@ -1,7 +1,11 @@
 #include "sim/run/exchange.h"
 
+#include <inttypes.h>
+#include <stdio.h>
+
 #include "common/message.h"
 #include "common/signals.h"
+#include "sim/run/command_check.h"
 #include "wallctl/law.h"
 
 /* After this long without an answer the state is sent again. */
@@ -9,14 +13,35 @@ static const double RESEND_S = 0.02;
 /* Longest wait for an answer when the run is to end. */
 static const double STOP_PATIENCE_S = 0.5;
 
+/* An answer that does not fit is late, a copy, or wrong: that only shows if no other comes (exchange_answer). */
+static void ignore(struct exchange *exchange, const char *field, int64_t got, int64_t wanted)
+{
+    exchange->ignored++;
+    if (got == wanted)
+        snprintf(exchange->why, sizeof exchange->why, "%s", field);
+    else
+        snprintf(exchange->why, sizeof exchange->why, "its %s is %" PRId64 ", not %" PRId64, field, got, wanted);
+}
+
 static void on_command(const lcm_recv_buf_t *buffer, const char *channel, void *user)
 {
     struct exchange *exchange = user;
     struct message_header header;
     struct wall_command command;
     (void)channel;
-    if (!wall_command_decode(buffer->data, buffer->data_size, &header, &command) || header.run_id != exchange->run_id ||
-        header.seq != exchange->seq || header.step != exchange->asked.command_step || exchange->answered)
+    if (!wall_command_decode(buffer->data, buffer->data_size, &header, &command)) {
+        ignore(exchange, "it is no wall_command_t of this version", 0, 0);
+        return;
+    }
+    if (header.run_id != exchange->run_id)
+        ignore(exchange, "run_id", header.run_id, exchange->run_id);
+    else if (exchange->answered)
+        return; /* a copy */
+    else if (header.seq != exchange->seq)
+        ignore(exchange, "seq", header.seq, exchange->seq);
+    else if (header.step != exchange->asked.command_step)
+        ignore(exchange, "step", header.step, exchange->asked.command_step);
+    if (header.run_id != exchange->run_id || header.seq != exchange->seq || header.step != exchange->asked.command_step)
         return;
     exchange->answer = command;
     exchange->answered = true;
@@ -84,6 +109,18 @@ static void exchange_close(struct exchange *exchange)
     exchange->seq++;
 }
 
+static enum status no_answer(const struct exchange *exchange)
+{
+    const long long step = exchange->asked.step;
+    const double timeout_s = exchange->scene->coupling.timeout_s;
+    if (exchange->ignored == 0)
+        return status_fail(STATUS_TIMEOUT, "step %lld: wallctl did not answer within %g s", step, timeout_s);
+    return status_fail(
+        STATUS_TIMEOUT,
+        "step %lld: no answer of the controller within %g s fits; %lld were ignored, the last because %s", step,
+        timeout_s, (long long)exchange->ignored, exchange->why);
+}
+
 static enum status wait_for_answer(struct exchange *exchange)
 {
     const struct wall_state *state = &exchange->asked;
@@ -98,8 +135,7 @@ static enum status wait_for_answer(struct exchange *exchange)
         TRY(record_stream_service(exchange->stream));
         double now = clock_now_s();
         if (now - start > exchange->scene->coupling.timeout_s)
-            return status_fail(STATUS_TIMEOUT, "step %lld: wallctl did not answer within %g s", (long long)state->step,
-                               exchange->scene->coupling.timeout_s);
+            return no_answer(exchange);
         if (now - sent >= RESEND_S) {
             TRY(state_repeat(exchange));
             sent = now;
@@ -132,6 +168,7 @@ enum status exchange_ask(struct exchange *exchange, const struct wall_state *sta
 {
     exchange->asked = *state;
     exchange->answered = false;
+    exchange->ignored = 0;
     if (exchange->record_walls)
         TRY(record_stream_wait_for_walls(exchange->stream, exchange->seq));
     exchange->open = !exchange->replay && !exchange->in_process;
@@ -148,5 +185,5 @@ enum status exchange_answer(struct exchange *exchange, struct wall_command *comm
     if (!exchange->replay && !exchange->in_process)
         TRY(wait_for_answer(exchange));
     *command = exchange->answer;
-    return STATUS_OK;
+    return command_check(exchange->scene, &exchange->asked, command);
 }

@@ -19,6 +19,8 @@ struct exchange {
     int64_t repeated;      /* states sent again */
     bool open;             /* a state went to the controller, its answer was not taken yet */
     bool answered;
+    int64_t ignored; /* answers to the state asked last that do not fit it */
+    char why[96];    /* the last of them */
     struct wall_command answer;
     struct wall_state asked;
 };
@@ -32,7 +34,7 @@ enum status exchange_init(struct exchange *exchange, const struct scene *scene, 
 enum status exchange_ask(struct exchange *exchange, const struct wall_state *state) MUST_USE;
 
 /* The command that was asked for last. STATUS_TIMEOUT after coupling.timeout_s without one, STATUS_INTERRUPTED when a
- * stop was requested meanwhile. */
+ * stop was requested meanwhile, STATUS_FORMAT if it is not fit to be carried out (command_check.h). */
 enum status exchange_answer(struct exchange *exchange, struct wall_command *command) MUST_USE;
 
 /* At the end of a run, whatever ended it: waits a while for an answer on its way, so that states and commands are
