@@ -74,10 +74,8 @@ static const struct {
 
 static struct contact_model contact_model(struct model model)
 {
-    return (struct contact_model){.dimension = model.dimension,
-                                  .normal = model.hysteretic ? LAW_HYSTERETIC : LAW_LINEAR,
-                                  .frictional = model.frictional,
-                                  .single = model.single};
+    return contact_model_make(model.dimension, model.hysteretic ? LAW_HYSTERETIC : LAW_LINEAR, model.frictional,
+                              model.single);
 }
 
 static struct kernels kernels_of(enum instruction_set isa, struct model model)

@@ -55,10 +55,8 @@ static double choose(struct random *random, const double *list, int n)
 
 static struct contact_model contact_model(struct model model)
 {
-    return (struct contact_model){.dimension = model.dimension,
-                                  .normal = model.hysteretic ? LAW_HYSTERETIC : LAW_LINEAR,
-                                  .frictional = model.frictional,
-                                  .single = model.single};
+    return contact_model_make(model.dimension, model.hysteretic ? LAW_HYSTERETIC : LAW_LINEAR, model.frictional,
+                              model.single);
 }
 
 /* kc = 0, k1 = k2, mu = 0 and above 1, kt = 0 (a stage without friction in a scene with it), dt = 0 (forces anew). */

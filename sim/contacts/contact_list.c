@@ -52,6 +52,8 @@ void contact_list_free(struct contact_list *list)
     free(list->j);
     free(list->slot);
     free(list->reach);
+    for (int c = 0; c < PAIR_CONSTANTS; c++)
+        free(list->slots.pair[c]);
     for (int c = 0; c < HISTORY_COLUMNS; c++) {
         free(list->history[c]);
         free(list->slots.history[c]);

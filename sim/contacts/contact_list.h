@@ -38,6 +38,7 @@ struct contact_slots {
     float *built[3];   /* single: x_i - x_j when the lists were built [unit]; not of walls */
     float *gap;  /* single: (a_i + a_j)^2 less that distance's square [unit^2]; of walls the overlap then [unit] */
     void *reach; /* a_i + a_j [unit], walls a_i [m] */
+    void *pair[PAIR_CONSTANTS];     /* of each contact; NULL: the normal law does not ask */
     void *history[HISTORY_COLUMNS]; /* of i against j, lengths in units; NULL: the model has no such column */
 };
 
@@ -73,8 +74,8 @@ struct wall {
 /* Brings the members' history up to date with what the kernels did; to be called before it is read. */
 void contact_list_read(struct contact_list *list);
 
-/* Column c of the history of member k as it is now, without contact_list_read; a spring with what rounding left out;
- * whether a contact slides. */
+/* Column c of the history of member k as it is now, without contact_list_read; a spring (Mindlin: its
+ * force) with what rounding left out; whether a contact slides. */
 double contact_list_value(const struct contact_list *list, int c, int k);
 double contact_list_spring(const struct contact_list *list, int component, int k);
 bool contact_list_slides(const struct contact_list *list, int k);

@@ -1,4 +1,5 @@
 /* The kernels' order of the contacts (contacts.h): who gets which slot, and the history's way there and back. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,6 +22,8 @@ static enum status slots_reserve(struct contact_list *list, int dimension)
     if (list->model.single)
         TRY(array_resize(&slots->gap, sizeof(float), size, 0));
     TRY(array_resize(&slots->reach, real, size, 0));
+    for (int c = 0; list->model.traits & NORMAL_PER_PAIR && c < PAIR_CONSTANTS; c++)
+        TRY(array_resize(&slots->pair[c], real, size, 0));
     for (int c = 0; c < HISTORY_COLUMNS; c++)
         if (history_has(&list->model, c))
             TRY(array_resize(&slots->history[c], real, size, 0));
@@ -84,6 +87,23 @@ static void fill_built(struct contact_list *list, size_t s, double reach, const 
         gap -= d * d;
     }
     slots->gap[s] = (float)(gap * (per_unit * per_unit));
+}
+
+/* Empty slots have those of two particles of mass and radius 1, so that lanes of theirs stay finite. */
+static void fill_pair_constants(struct contact_list *list, const struct particles *p, const struct wall *wall)
+{
+    struct contact_slots *slots = &list->slots;
+    for (size_t s = 0; s < (size_t)list->n_sets * SET_WIDTH; s++)
+        for (int c = 0; c < PAIR_CONSTANTS; c++)
+            put(list, slots->pair[c], s, 1);
+    for (int k = 0; k < list->count; k++) {
+        const size_t s = list->slot[k] / 2;
+        const int i = list->i[k], j = list->j[k];
+        const double mass = wall ? p->mass[i] : p->mass[i] * p->mass[j] / (p->mass[i] + p->mass[j]);
+        const double radius = wall ? p->radius[i] : p->radius[i] * p->radius[j] / list->reach[k];
+        put(list, slots->pair[PAIR_ROOT_MASS], s, sqrt(mass));
+        put(list, slots->pair[PAIR_RADIUS], s, radius / slots->unit);
+    }
 }
 
 static void fill_slots(struct contact_list *list, const struct particles *p, const struct wall *wall, uint32_t stride)
@@ -191,6 +211,8 @@ enum status contact_list_place(struct contact_list *list, const struct particles
     /* nothing: no reach, and for walls less than none, for they know no distance to the padding particle */
     empty_slots(list, particles->dimension, stride * (uint32_t)particles_padding(particles), wall ? -1e30 : 0);
     fill_slots(list, particles, wall, stride);
+    if (list->model.traits & NORMAL_PER_PAIR)
+        fill_pair_constants(list, particles, wall);
     return STATUS_OK;
 }
 
@@ -212,8 +234,10 @@ double contact_list_value(const struct contact_list *list, int c, int k)
 
 double contact_list_spring(const struct contact_list *list, int component, int k)
 {
-    const double spring = contact_list_value(list, HISTORY_SPRING + component, k);
-    return list->model.single ? spring + contact_list_value(list, HISTORY_SPRING_REST + component, k) : spring;
+    const bool force = list->model.traits & NORMAL_MINDLIN;
+    const double spring = contact_list_value(list, (force ? HISTORY_FORCE : HISTORY_SPRING) + component, k);
+    const int rest = force ? HISTORY_FORCE_REST : HISTORY_SPRING_REST;
+    return list->model.single ? spring + contact_list_value(list, rest + component, k) : spring;
 }
 
 bool contact_list_slides(const struct contact_list *list, int k)

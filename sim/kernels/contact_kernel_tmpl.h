@@ -267,7 +267,7 @@ LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) 
 {
     enum { APART = F64_LANES == 4 };
     for (int m = 0; m < n; m++) {
-        struct NAME(memory) memory = NAME(memory_at)(slots->history, k + (size_t)m * LANES);
+        struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
         const struct NAME(meeting) at = chunk->set[m].at;
         struct NAME(touch) touch = NAME(touch)(law, &at, &memory, sums);
 #if FRICTIONAL
@@ -278,12 +278,12 @@ LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) 
     }
 #if FRICTIONAL
     for (int m = 0; m < n && APART; m++) {
-        struct NAME(memory) memory = NAME(memory_at)(slots->history, k + (size_t)m * LANES);
+        struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
         NAME(keep)(&chunk->set[m].touch, &memory);
     }
 #endif
     for (int m = 0; m < n; m++) {
-        struct NAME(memory) memory = NAME(memory_at)(slots->history, k + (size_t)m * LANES);
+        struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
         const struct NAME(touch) touch = chunk->set[m].touch;
         chunk->set[m].result = NAME(force)(law, &touch, &memory, sums);
     }
@@ -330,7 +330,7 @@ LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, enum pair_kind kind,
                               struct NAME(under_way) * way, struct NAME(sums) * sums)
 {
     const size_t l = NAME(in_turn)(kind, turn), ahead = turn + 2 * LANES, set_ahead = set + ahead / SET_WIDTH;
-    struct NAME(memory) memory = NAME(memory_at)(r->slots.history, set * SET_WIDTH + l);
+    struct NAME(memory) memory = NAME(memory_at)(r->slots.pair, r->slots.history, set * SET_WIDTH + l);
     struct NAME(meeting) at = way->next;
     way->next = way->near;
     NAME(root)(&way->next);

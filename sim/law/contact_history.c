@@ -2,12 +2,22 @@
 
 static bool has_max_overlap(const struct contact_model *model)
 {
-    return model->normal == LAW_HYSTERETIC;
+    return model->traits & NORMAL_REMEMBERS_OVERLAP;
 }
 
 static bool has_friction(const struct contact_model *model)
 {
     return model->frictional;
+}
+
+static bool has_spring(const struct contact_model *model)
+{
+    return model->frictional && !(model->traits & NORMAL_MINDLIN);
+}
+
+static bool has_force(const struct contact_model *model)
+{
+    return model->frictional && model->traits & NORMAL_MINDLIN;
 }
 
 struct row {
@@ -26,12 +36,19 @@ struct row {
 
 static const struct row table[HISTORY_COLUMNS] = {
     [HISTORY_MAX_OVERLAP] = NUMBER("max_overlap", "m", true, has_max_overlap),
-    [HISTORY_SPRING] = COMPONENT("spring", "m", 0, false, has_friction),
-    [HISTORY_SPRING + 1] = COMPONENT("spring", "m", 1, false, has_friction),
-    [HISTORY_SPRING + 2] = COMPONENT("spring", "m", 2, false, has_friction),
-    [HISTORY_SPRING_REST] = COMPONENT("spring_rest", "m", 0, true, has_friction),
-    [HISTORY_SPRING_REST + 1] = COMPONENT("spring_rest", "m", 1, true, has_friction),
-    [HISTORY_SPRING_REST + 2] = COMPONENT("spring_rest", "m", 2, true, has_friction),
+    [HISTORY_SPRING] = COMPONENT("spring", "m", 0, false, has_spring),
+    [HISTORY_SPRING + 1] = COMPONENT("spring", "m", 1, false, has_spring),
+    [HISTORY_SPRING + 2] = COMPONENT("spring", "m", 2, false, has_spring),
+    [HISTORY_SPRING_REST] = COMPONENT("spring_rest", "m", 0, true, has_spring),
+    [HISTORY_SPRING_REST + 1] = COMPONENT("spring_rest", "m", 1, true, has_spring),
+    [HISTORY_SPRING_REST + 2] = COMPONENT("spring_rest", "m", 2, true, has_spring),
+    [HISTORY_FORCE] = COMPONENT("tangential_force", "N", 0, false, has_force),
+    [HISTORY_FORCE + 1] = COMPONENT("tangential_force", "N", 1, false, has_force),
+    [HISTORY_FORCE + 2] = COMPONENT("tangential_force", "N", 2, false, has_force),
+    [HISTORY_FORCE_REST] = COMPONENT("tangential_force_rest", "N", 0, true, has_force),
+    [HISTORY_FORCE_REST + 1] = COMPONENT("tangential_force_rest", "N", 1, true, has_force),
+    [HISTORY_FORCE_REST + 2] = COMPONENT("tangential_force_rest", "N", 2, true, has_force),
+    [HISTORY_CONTACT_RADIUS] = NUMBER("contact_radius", "m", true, has_force),
     [HISTORY_SLIDING] = NUMBER("sliding", "1", false, has_friction),
 };
 

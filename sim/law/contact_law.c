@@ -6,10 +6,11 @@
 struct normal_functions {
     void (*constants)(const struct scene_material *material, double *constant);
     double (*stiffness)(const double *constant);
+    int traits;
 };
 
 static const struct normal_functions normal_functions[LAW_COUNT] = {
-#define FUNCTIONS(name, NAME) {normal_##name##_constants, normal_##name##_stiffness},
+#define FUNCTIONS(name, NAME) {normal_##name##_constants, normal_##name##_stiffness, normal_##name##_traits},
     CONTACT_LAWS(FUNCTIONS)
 #undef FUNCTIONS
 };
@@ -29,10 +30,16 @@ struct contact_law_constants contact_law_constants_of(const struct scene_materia
     return law;
 }
 
+int contact_law_traits(int normal)
+{
+    return normal_functions[normal].traits;
+}
+
 void contact_losses_add(struct contact_losses *sum, const struct contact_losses *lost)
 {
     sum->hysteresis += lost->hysteresis;
     sum->viscous_normal += lost->viscous_normal;
     sum->viscous_tangential += lost->viscous_tangential;
     sum->friction += lost->friction;
+    sum->stiffness += lost->stiffness;
 }

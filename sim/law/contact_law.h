@@ -20,6 +20,7 @@ struct contact_law_constants {
 /* Energy lost in contacts since the start of the stage [J]. */
 struct contact_losses {
     double hysteresis, viscous_normal, viscous_tangential, friction;
+    double stiffness; /* what a tangential stiffness that changes with the contact takes (Mindlin) */
 };
 
 /* Of one contact at a complete step: force on i and its tangential part [N], normal force, energy in the elastic normal
@@ -32,6 +33,9 @@ struct contact_forces {
 /* Constants of a stage. normal: enum contact_law, that of the model (contact_model.h), which may be richer than the
  * stage's. */
 struct contact_law_constants contact_law_constants_of(const struct scene_material *material, int normal);
+
+/* Traits of a normal law (enum normal_trait, contact_model.h). */
+int contact_law_traits(int normal);
 
 /* Adds the losses of `lost` to `sum`. */
 void contact_losses_add(struct contact_losses *sum, const struct contact_losses *lost);

@@ -1,7 +1,8 @@
 /* The law of one set of contacts, written once and compiled for each model, precision and instruction set. The
  * including file defines
  * - ISA: part of the names; lanes_<ISA>.h is included before;
- * - NORMAL, NORMAL_TEXT: the normal law (for_each_model.h); DIM: 2 or 3; FRICTIONAL: 0 or 1;
+ * - NORMAL, NORMAL_TEXT: the normal law; PER_PAIR: it differs from contact to contact; MINDLIN: so does
+ *   friction (all as in for_each_model.h); DIM: 2 or 3; FRICTIONAL: 0 or 1;
  * - SINGLE: 1 for the law in float (docs/theory.md: mixed precision), else 0.
  * Every contact's arithmetic is the same in every lane and instruction set, so forces and histories are the same bits;
  * only the sums of the losses differ in their order. There are no branches: open candidates select zeros.
@@ -83,6 +84,7 @@ LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
  * - normal_elastic: the elastic force at overlap delta >= 0 (0: none), with the history moved on;
  * - normal_friction_limit: the force that limits friction, from the overlap and the force `pressing` along n on j;
  * - normal_energy: what the elastic force at delta holds;
+ * - if PER_PAIR: struct pair, pair_of: of each contact the elastic force and the damping gamma_n [kg/s];
  * - normal_sums, normal_totals, normal_sums_close, normal_hysteresis_j: what it loses by itself. */
 #define NORMAL_LANES
 #include NORMAL_TEXT
@@ -115,20 +117,29 @@ LANES_INLINE struct NAME(law)
  */
 struct NAME(memory) {
     struct NAME(normal_memory) normal;
+#if PER_PAIR
+    const scalar *root_mass, *radius; /* PAIR_ROOT_MASS, PAIR_RADIUS */
+#endif
 #if FRICTIONAL
     scalar *spring[SPRINGS], *rest[SPRINGS], *sliding; /* sliding: 1 or 0 */
 #endif
 };
 
-/* history: the columns of the slots. */
-LANES_INLINE struct NAME(memory) NAME(memory_at)(void *const *history, size_t slot)
+/* pair, history: the columns of the slots. */
+LANES_INLINE struct NAME(memory) NAME(memory_at)(void *const *pair, void *const *history, size_t slot)
 {
     struct NAME(memory) memory = {.normal = NAME(normal_memory_at)(history, slot)};
+    (void)pair;
+#if PER_PAIR
+    memory.root_mass = (const scalar *)pair[PAIR_ROOT_MASS] + slot;
+    memory.radius = (const scalar *)pair[PAIR_RADIUS] + slot;
+#endif
 #if FRICTIONAL
     memory.sliding = (scalar *)history[HISTORY_SLIDING] + slot;
     for (int c = 0; c < SPRINGS; c++) {
-        memory.spring[c] = (scalar *)history[HISTORY_SPRING + c] + slot;
-        memory.rest[c] = SINGLE ? (scalar *)history[HISTORY_SPRING_REST + c] + slot : NULL;
+        memory.spring[c] = (scalar *)history[(MINDLIN ? HISTORY_FORCE : HISTORY_SPRING) + c] + slot;
+        memory.rest[c] =
+            SINGLE ? (scalar *)history[(MINDLIN ? HISTORY_FORCE_REST : HISTORY_SPRING_REST) + c] + slot : NULL;
     }
 #endif
     return memory;
@@ -152,6 +163,9 @@ struct NAME(touch) {
     real n[DIM], pressing; /* force along n on j */
 #if FRICTIONAL
     real_mask active;
+#if MINDLIN
+    struct NAME(pair) pair;
+#endif
     real pull[SPRINGS], pull2, power, bound2, kinetic, factor;
     real moved[SPRINGS]; /* the spring half a step on if nothing slides; single: its change */
 #endif
@@ -170,12 +184,18 @@ struct NAME(contact_result) {
 struct NAME(sums) {
     struct NAME(normal_sums) own; /* of the normal law */
     real normal, vt2, slip, slip2, power;
+#if MINDLIN
+    real power_t, stiffness;
+#endif
 };
 
 /* What they have come to, so that sums in float stay short. */
 struct NAME(totals) {
     struct NAME(normal_totals) own;
     struct NAME(doubles) normal, vt2, slip, slip2, power;
+#if MINDLIN
+    struct NAME(doubles) power_t, stiffness;
+#endif
 };
 
 LANES_INLINE real NAME(inner)(const real *a, const real *b)
@@ -246,96 +266,7 @@ LANES_INLINE real NAME(ratio)(real to, real square)
 #endif
 }
 
-/* Test force [D] of contacts that friction holds up to `limit`. pull = kt xi + gamma_t v_t is the test force reversed;
- * a sliding contact keeps `factor` of it. Contacts that are open slide without resistance, so that they lose what their
- * springs hold. */
-LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(meeting) * at, real u, real limit,
-                             const struct NAME(memory) * memory, struct NAME(touch) * touch, struct NAME(sums) * sums)
-{
-    const real zero = real_all(0.0), dt = real_all(law->dt), *n = touch->n, *g = at->g, *w = at->w;
-    real spring[SPRINGS], vt[SPRINGS];
-    for (int c = 0; c < SPRINGS; c++)
-        spring[c] = real_load(memory->spring[c]);
-    (void)spring;
-#if DIM == 2
-    /* tangent (-n1, n0); the spring is a number along it, so a rotating pair carries it along by itself */
-    (void)u;
-    vt[0] = real_where(touch->active, real_fma(g[1], n[0], real_fma(-g[0], n[1], -w[0])));
-    touch->moved[0] = real_fma(dt, vt[0], real_load(SINGLE ? memory->rest[0] : memory->spring[0]));
-#else
-    real more[3];
-    for (int c = 0; c < 3; c++) { /* g + n x w - u n */
-        int d = (c + 1) % 3, e = (c + 2) % 3;
-        vt[c] = real_fma(n[d], w[e], real_fma(-n[e], w[d], real_fma(-u, n[c], g[c])));
-        vt[c] = real_where(touch->active, vt[c]);
-#if SINGLE
-        more[c] = real_fma(dt, vt[c], real_load(memory->rest[c]));
-#else
-        more[c] = dt * vt[c];
-#endif
-    }
-    NAME(turn)(n, real_all(0.5) * dt * NAME(dot)(at->spin, n), spring, more, touch->moved);
-#endif
-    for (int c = 0; c < SPRINGS; c++) {
-        real middle = touch->moved[c];
-#if SINGLE
-        middle = spring[c] + middle;
-#endif
-        touch->pull[c] = real_fma(real_all(law->kt), middle, real_all(law->lever) * vt[c]);
-        sums->vt2 = real_fma(vt[c], vt[c], sums->vt2);
-    }
-    touch->power = NAME(dot)(touch->pull, vt);
-    touch->pull2 = NAME(dot)(touch->pull, touch->pull);
-    real_mask slid = real_greater(real_load(memory->sliding), zero);
-    real bound = limit * real_select(slid, real_all(law->mu_d), real_all(law->mu_s));
-    touch->bound2 = bound * bound;
-    touch->kinetic = real_all(law->mu_d) * limit;
-}
-
-/* What a contact keeps of its test force. */
-LANES_INLINE void NAME(keep)(struct NAME(touch) * touch, const struct NAME(memory) * memory)
-{
-    const real one = real_all(1.0);
-    real_mask slides = real_greater(touch->pull2, touch->bound2);
-    /* 1e-30 N^2 keeps the root finite */
-    real reduced = NAME(ratio)(touch->kinetic, real_larger(touch->pull2, real_all(1e-30)));
-    touch->factor = real_select(slides, reduced, one);
-    real_store(memory->sliding, real_where(real_and(slides, touch->active), one));
-}
-
-/* Springs, losses and forces of friction. A sliding spring slips by q pull, q = (1 - factor)/kt, so that the law holds
- * with the spring that is left; q = 0: it sticks. With the mean of the spring over the step the ledger closes in second
- * order, jumps of the spring included. */
-LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(touch) * touch,
-                             const struct NAME(memory) * memory, struct NAME(contact_result) * result,
-                             struct NAME(sums) * sums)
-{
-    const real *n = touch->n;
-    real q = (real_all(1.0) - touch->factor) * real_all(law->inv_kt), slip = q * touch->pull2, pull[SPRINGS];
-    sums->slip = sums->slip + slip;
-    sums->slip2 = real_fma(q, slip, sums->slip2);
-    sums->power = real_fma(q, touch->power, sums->power);
-    for (int c = 0; c < SPRINGS; c++) {
-        real after = real_fma(-q, touch->pull[c], touch->moved[c]);
-#if SINGLE
-        real spring = real_load(memory->spring[c]), change = after;
-        after = spring + change;
-        real_store(memory->rest[c], real_where(touch->active, change - (after - spring)));
-#endif
-        real_store(memory->spring[c], real_where(touch->active, after));
-        pull[c] = touch->factor * touch->pull[c]; /* the tangential force on j */
-    }
-#if DIM == 2
-    result->force[0] = real_fma(touch->pressing, n[0], -pull[0] * n[1]);
-    result->force[1] = real_fma(touch->pressing, n[1], pull[0] * n[0]);
-    result->moment[0] = -pull[0];
-#else
-    for (int c = 0; c < 3; c++) {
-        result->force[c] = real_fma(touch->pressing, n[c], pull[c]);
-        result->moment[c] = NAME(cross)(pull, n, c);
-    }
-#endif
-}
+#include TANGENTIAL_TEXT
 #endif
 
 /* First half of the law for one set of contacts. Open ones have the overlap 0, for which the law gives no force and no
@@ -353,12 +284,24 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
 #if !SINGLE
     u = real_where(active, u);
 #endif
+#if PER_PAIR
+    const struct NAME(pair) pair =
+        NAME(pair_of)(&law->normal, delta, real_load(memory->root_mass), real_load(memory->radius), &memory->normal);
+    const real gamma_n = pair.gamma_n;
+    sums->normal = real_fma(u * gamma_n, u, sums->normal);
+    real elastic = pair.elastic;
+#else
+    const real gamma_n = real_all(law->gamma_n);
     sums->normal = real_fma(u, u, sums->normal);
     real elastic = NAME(normal_elastic)(&law->normal, delta, &memory->normal, &sums->own);
-    touch.pressing = real_fma(real_all(law->gamma_n), u, -elastic);
+#endif
+    touch.pressing = real_fma(gamma_n, u, -elastic);
 #if FRICTIONAL
     real limit = real_larger(NAME(normal_friction_limit)(&law->normal, delta, touch.pressing), zero);
     touch.active = active;
+#if MINDLIN
+    touch.pair = pair;
+#endif
     NAME(test)(law, at, u, limit, memory, &touch, sums);
 #endif
     return touch;
@@ -387,10 +330,7 @@ LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals)
     NAME(close)(&sums->normal, &totals->normal);
     NAME(normal_sums_close)(&sums->own, &totals->own);
 #if FRICTIONAL
-    NAME(close)(&sums->vt2, &totals->vt2);
-    NAME(close)(&sums->slip, &totals->slip);
-    NAME(close)(&sums->slip2, &totals->slip2);
-    NAME(close)(&sums->power, &totals->power);
+    NAME(friction_sums_close)(sums, totals);
 #endif
 }
 
@@ -398,12 +338,9 @@ LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals)
 LANES_INLINE void NAME(totals_add)(const struct NAME(totals) * totals, const struct contact_law_constants *law,
                                    double dt_s, double unit, struct contact_losses *losses)
 {
-    losses->viscous_normal += law->gamma_n * dt_s * NAME(doubles_sum)(totals->normal);
+    losses->viscous_normal += (PER_PAIR ? 1 : law->gamma_n) * dt_s * NAME(doubles_sum)(totals->normal);
     losses->hysteresis += NAME(normal_hysteresis_j)(&totals->own, law->normal, unit);
 #if FRICTIONAL
-    const double power = NAME(doubles_sum)(totals->power);
-    losses->viscous_tangential += law->gamma_t * (dt_s * NAME(doubles_sum)(totals->vt2) - power);
-    losses->friction +=
-        NAME(doubles_sum)(totals->slip) - 0.5 * law->kt * (NAME(doubles_sum)(totals->slip2) + dt_s * power);
+    NAME(friction_totals_add)(totals, law, dt_s, losses);
 #endif
 }

@@ -4,10 +4,11 @@
 /* history: columns of this one contact, changed to no purpose; lever_s: the time step that its spring is half of ahead.
  */
 static void NAME(contact_look)(const struct contact_law_constants *constants, double lever_s,
-                               const struct NAME(meeting) * at, void *const *history, struct contact_forces *f)
+                               const struct NAME(meeting) * at, void *const *pair, void *const *history,
+                               struct contact_forces *f)
 {
     const struct NAME(law) law = NAME(law_of)(constants, 0, lever_s, 1);
-    const struct NAME(memory) memory = NAME(memory_at)(history, 0);
+    const struct NAME(memory) memory = NAME(memory_at)(pair, history, 0);
     struct NAME(sums) sums = {0};
     const struct NAME(touch) touch = NAME(touch)(&law, at, &memory, &sums);
     const double elastic = NAME(normal_elastic)(&law.normal, at->delta, &memory.normal, &sums.own);
@@ -16,6 +17,7 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
 #if FRICTIONAL
     struct NAME(law) undamped = law;
     undamped.lever -= law.gamma_t;
+    undamped.gamma_t = 0;
     const struct NAME(touch) springs = NAME(touch)(&undamped, at, &memory, &sums);
     f->spring_j = 0.5 * law.inv_kt * springs.pull2;
 #if DIM == 2

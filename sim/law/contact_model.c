@@ -1,5 +1,7 @@
 #include "sim/law/contact_model.h"
 
+#include "sim/law/contact_law.h"
+
 /* A stage with the linear law is hysteretic with k1 = k2, so that a scene may have both. */
 static int normal_law_of(const struct scene *scene)
 {
@@ -9,10 +11,17 @@ static int normal_law_of(const struct scene *scene)
     return normal;
 }
 
+struct contact_model contact_model_make(int dimension, int normal, bool frictional, bool single)
+{
+    return (struct contact_model){.dimension = dimension,
+                                  .normal = normal,
+                                  .frictional = frictional,
+                                  .single = single,
+                                  .traits = contact_law_traits(normal)};
+}
+
 struct contact_model contact_model_of(const struct scene *scene)
 {
-    return (struct contact_model){.dimension = (int)scene->dimension,
-                                  .normal = normal_law_of(scene),
-                                  .frictional = scene_is_frictional(scene),
-                                  .single = scene->precision == PRECISION_MIXED};
+    return contact_model_make((int)scene->dimension, normal_law_of(scene), scene_is_frictional(scene),
+                              scene->precision == PRECISION_MIXED);
 }

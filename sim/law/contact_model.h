@@ -11,9 +11,24 @@ struct contact_model {
     int normal;    /* enum contact_law */
     bool frictional;
     bool single; /* in float (mixed precision), else in double */
+    int traits;  /* of the normal law, enum normal_trait */
+};
+
+/* What a normal law asks for beside its constants. */
+enum normal_trait {
+    NORMAL_REMEMBERS_OVERLAP = 1, /* the largest overlap */
+    NORMAL_PER_PAIR = 2,          /* reduced mass and radius of each contact (contact_slots.pair) */
+    NORMAL_MINDLIN = 4            /* friction remembers a force, whose stiffness goes with the contact radius */
 };
 
 struct contact_model contact_model_of(const struct scene *scene);
+
+/* The same from its parts, with the traits of the law. */
+struct contact_model contact_model_make(int dimension, int normal, bool frictional, bool single);
+
+/* Constants of a contact, for laws with NORMAL_PER_PAIR: root of the reduced mass [kg^(1/2)], reduced radius a_i
+ * a_j/(a_i + a_j), against a wall a_i, in the unit of the slots. */
+enum { PAIR_ROOT_MASS, PAIR_RADIUS, PAIR_CONSTANTS };
 
 /* Components of the tangential spring, of rotations and of moments: 0 without friction, 1 in 2D, 3 in 3D. */
 static inline int contact_model_springs(const struct contact_model *model)

@@ -1,8 +1,12 @@
 /* Includes MODEL_TEXT once for every model of contacts, with these macros set:
  * NORMAL, NORMAL_TEXT: name of the normal law (CONTACT_LAWS, common/scene.h) and the file of its text; a new law is one
- * more block here; DIM: 2 or 3; FRICTIONAL, SINGLE: 0 or 1. */
-#define NORMAL      linear
-#define NORMAL_TEXT "sim/law/normal_linear.h"
+ * more block here; PER_PAIR: 1 if it differs from contact to contact; MINDLIN: 1 if friction does; TANGENTIAL_TEXT: the
+ * file of its text; DIM: 2 or 3; FRICTIONAL, SINGLE: 0 or 1. */
+#define PER_PAIR        0
+#define MINDLIN         0
+#define TANGENTIAL_TEXT "sim/law/tangential_spring_tmpl.h"
+#define NORMAL          linear
+#define NORMAL_TEXT     "sim/law/normal_linear.h"
 #include "sim/law/for_each_dimension.h"
 #undef NORMAL
 #undef NORMAL_TEXT
@@ -12,5 +16,9 @@
 #include "sim/law/for_each_dimension.h"
 #undef NORMAL
 #undef NORMAL_TEXT
+
+#undef PER_PAIR
+#undef MINDLIN
+#undef TANGENTIAL_TEXT
 
 #undef MODEL_TEXT

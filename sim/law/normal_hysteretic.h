@@ -4,6 +4,7 @@
 #define SHAKEDOWN_SIM_LAW_NORMAL_HYSTERETIC_H
 
 #include "sim/law/contact_law.h"
+#include "sim/law/contact_model.h"
 
 enum {
     HYSTERETIC_K2,
@@ -13,6 +14,8 @@ enum {
     HYSTERETIC_LOADING_LOSS,  /* hysteresis loss per increase of delta_max^2: k1 (1 - k1/k2) / 2 */
     HYSTERETIC_ADHESION_LOSS, /* and per decrease: kc (1 + kc/k2) ((k2 - k1)/(k2 + kc))^2 / 2 */
 };
+
+enum { normal_hysteretic_traits = NORMAL_REMEMBERS_OVERLAP };
 
 static inline void normal_hysteretic_constants(const struct scene_material *material, double *constant)
 {

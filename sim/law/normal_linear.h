@@ -3,8 +3,11 @@
 #define SHAKEDOWN_SIM_LAW_NORMAL_LINEAR_H
 
 #include "sim/law/contact_law.h"
+#include "sim/law/contact_model.h"
 
 enum { LINEAR_K };
+
+enum { normal_linear_traits = 0 };
 
 static inline void normal_linear_constants(const struct scene_material *material, double *constant)
 {

@@ -13,8 +13,8 @@ static void NAME(contact_at)(const struct sample *sample, int l, int k, const st
     const struct wall *wall = l > 0 ? &sample->walls[l - 1] : NULL;
     const int i = list->i[k], j = list->j[k];
     struct NAME(meeting) at = {.inverse = 1, .delta = g->overlap};
-    double values[HISTORY_COLUMNS] = {0};
-    void *history[HISTORY_COLUMNS];
+    double values[HISTORY_COLUMNS] = {0}, pair[PAIR_CONSTANTS];
+    void *history[HISTORY_COLUMNS], *pairs[PAIR_CONSTANTS] = {&pair[PAIR_ROOT_MASS], &pair[PAIR_RADIUS]};
     for (int c = 0; c < DIM; c++) {
         at.d[c] = g->n[c];
         at.g[c] = p->v[c][i] - (!wall ? p->v[c][j] : wall->axis == c ? wall->v : 0);
@@ -34,8 +34,10 @@ static void NAME(contact_at)(const struct sample *sample, int l, int k, const st
     }
 #if FRICTIONAL
     for (int c = 0; c < SPRINGS; c++)
-        values[HISTORY_SPRING + c] = contact_list_spring(list, c, k);
+        values[(MINDLIN ? HISTORY_FORCE : HISTORY_SPRING) + c] = contact_list_spring(list, c, k);
 #endif
-    NAME(contact_look)(&sample->law, sample->dt, &at, history, f);
+    pair[PAIR_ROOT_MASS] = sqrt(wall ? p->mass[i] : p->mass[i] * p->mass[j] / (p->mass[i] + p->mass[j]));
+    pair[PAIR_RADIUS] = wall ? p->radius[i] : p->radius[i] * p->radius[j] / (p->radius[i] + p->radius[j]);
+    NAME(contact_look)(&sample->law, sample->dt, &at, pairs, history, f);
 }
 #endif
