@@ -15,7 +15,7 @@ enum { SCENE_STAGES_MAX = 1024, SCENE_AXES = 3, SCENE_WALLS_MAX = 6 };
 enum axis { AXIS_X, AXIS_Y, AXIS_Z };
 
 /* Normal laws of contacts: X(name, NAME). Scenes may have those of higher rank beside those of lower. */
-#define CONTACT_LAWS(X) X(linear, LINEAR) X(hysteretic, HYSTERETIC)
+#define CONTACT_LAWS(X) X(linear, LINEAR) X(hysteretic, HYSTERETIC) X(hertz, HERTZ)
 enum contact_law {
 #define CONTACT_LAW_ENUM(name, NAME) LAW_##NAME,
     CONTACT_LAWS(CONTACT_LAW_ENUM)
@@ -30,6 +30,9 @@ struct scene_material {
     double k1_n_per_m; /* hysteretic law [LH eq. 1.6] */
     double k2_n_per_m;
     double kc_n_per_m;
+    double youngs_modulus_pa; /* Hertz-Mindlin law */
+    double poisson_ratio;
+    double restitution;
     double gamma_n_kg_per_s; /* gamma_0, normal dissipation */
     double mu_s;             /* static and dynamic Coulomb coefficient; both 0: no friction, no rotation */
     double mu_d;             /* negative in the file's default: as mu_s */

@@ -7,9 +7,36 @@
 /* Least part of a Gaussian between its cut-offs. */
 static const double GAUSSIAN_PART = 1e-3;
 
+static enum status friction_check(const struct scene_material *m, const config_setting_t *at, const char *where)
+{
+    if (m->mu_d < 0 && m->mu_d != -1.0)
+        return config_fail(at, where, "mu_d (%g) must not be negative; only -1 stands for mu_s", m->mu_d);
+    if (m->mu_d > m->mu_s)
+        return config_fail(at, where, "mu_d (%g) must not exceed mu_s (%g)", m->mu_d, m->mu_s);
+    return STATUS_OK;
+}
+
+/* Stiffness and damping of both directions follow from the elastic constants. */
+static enum status hertz_check(const struct scene_material *m, const config_setting_t *at, const char *where)
+{
+    if (!(m->youngs_modulus_pa > 0))
+        return config_fail(at, where, "law \"hertz\" needs youngs_modulus_pa above 0");
+    if (m->kn_n_per_m > 0 || m->k1_n_per_m > 0 || m->k2_n_per_m > 0 || m->kc_n_per_m > 0 || m->kt_n_per_m > 0)
+        return config_fail(at, where,
+                           "law \"hertz\" takes youngs_modulus_pa and poisson_ratio; kn, k1, k2, kc and kt "
+                           "belong to the other laws");
+    if (m->gamma_n_kg_per_s > 0 || m->gamma_t_kg_per_s > 0)
+        return config_fail(at, where, "law \"hertz\" takes restitution; gamma_n and gamma_t belong to the other laws");
+    return friction_check(m, at, where);
+}
+
 /* Checks between the keys of one material; `where` is its path. */
 static enum status material_check(const struct scene_material *m, const config_setting_t *at, const char *where)
 {
+    if (m->law == LAW_HERTZ)
+        return hertz_check(m, at, where);
+    if (m->youngs_modulus_pa > 0 || m->restitution < 1)
+        return config_fail(at, where, "youngs_modulus_pa, poisson_ratio and restitution belong to law \"hertz\"");
     if (m->law == LAW_LINEAR && !(m->kn_n_per_m > 0))
         return config_fail(at, where, "law \"linear\" needs kn_n_per_m above 0");
     if (m->law == LAW_LINEAR && (m->k1_n_per_m > 0 || m->k2_n_per_m > 0 || m->kc_n_per_m > 0))
@@ -19,20 +46,21 @@ static enum status material_check(const struct scene_material *m, const config_s
                            m->k1_n_per_m, m->k2_n_per_m);
     if (m->law == LAW_HYSTERETIC && m->kn_n_per_m > 0)
         return config_fail(at, where, "kn_n_per_m belongs to law \"linear\"; law \"hysteretic\" takes k1 and k2");
-    if (m->mu_d < 0 && m->mu_d != -1.0)
-        return config_fail(at, where, "mu_d (%g) must not be negative; only -1 stands for mu_s", m->mu_d);
-    if (m->mu_d > m->mu_s)
-        return config_fail(at, where, "mu_d (%g) must not exceed mu_s (%g)", m->mu_d, m->mu_s);
+    TRY(friction_check(m, at, where));
     if (m->mu_s > 0 && !(m->kt_n_per_m > 0))
         return config_fail(at, where, "friction (mu_s above 0) needs kt_n_per_m above 0");
     return STATUS_OK;
 }
 
-enum status scene_check_material(const struct scene_stage *stage, const config_setting_t *at, const char *where)
+enum status scene_check_material(const struct scene *scene, const struct scene_stage *stage, const config_setting_t *at,
+                                 const char *where)
 {
     char path[128];
     snprintf(path, sizeof path, "%s.material", where);
-    return material_check(&stage->material, at, path);
+    TRY(material_check(&stage->material, at, path));
+    if ((stage->material.law == LAW_HERTZ) != (scene->stage[0].material.law == LAW_HERTZ))
+        return config_fail(at, path, "law \"hertz\" is for all stages of a scene or for none");
+    return STATUS_OK;
 }
 
 /* Cut so narrowly, a distribution is drawn from for ever. */

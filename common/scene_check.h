@@ -11,7 +11,7 @@ enum status scene_check_sample(const struct scene_sample *sample, const config_s
 
 /* A stage as read from `at`, under the path `where`, before what follows from its keys is filled in: its material, and
  * what moves its walls; `root`: of the scene, whose material and walls it takes over. */
-enum status scene_check_material(const struct scene_stage *stage, const config_setting_t *at,
+enum status scene_check_material(const struct scene *scene, const struct scene_stage *stage, const config_setting_t *at,
                                  const char *where) MUST_USE;
 enum status scene_check_walls(const struct scene *scene, const struct scene_stage *stage, const config_setting_t *root,
                               const config_setting_t *at, const char *where) MUST_USE;

@@ -47,7 +47,7 @@ static enum status stage_read(struct scene *scene, const config_setting_t *root,
     TRY(config_group_read(setting, scene_stage_keys, where, NULL, stage));
     TRY(config_require(setting, scene_stage_keys, where));
     stage->name_length = (int)strlen(stage->name);
-    TRY(scene_check_material(stage, setting, where));
+    TRY(scene_check_material(scene, stage, setting, where));
     TRY(scene_check_walls(scene, stage, root, setting, where));
     scene_stage_complete(stage);
     TRY(scene_check_stage(stage, setting, where));

@@ -24,7 +24,7 @@ static const char *const walls_names[] = {"sampled", "full", NULL};
 
 static const struct key material_keys[] = {
     {"law", KEY_CHOICE, OF(scene_material, law), NULL, 0, 0, "linear", law_names, NULL,
-     "normal contact law: linear spring [D eq. 1] or linear hysteretic with cohesion [LH eq. 1.6]"},
+     "contact law: linear spring [D eq. 1]; linear hysteretic with cohesion [LH eq. 1.6]; Hertz-Mindlin"},
     {"kn_n_per_m", KEY_FLOAT, OF(scene_material, kn_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
      "stiffness k of the linear law"},
     {"k1_n_per_m", KEY_FLOAT, OF(scene_material, k1_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
@@ -33,6 +33,12 @@ static const struct key material_keys[] = {
      "un- and reloading stiffness of the hysteretic law"},
     {"kc_n_per_m", KEY_FLOAT, OF(scene_material, kc_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
      "slope of the adhesion branch of the hysteretic law"},
+    {"youngs_modulus_pa", KEY_FLOAT, OF(scene_material, youngs_modulus_pa), "N/m^2", 0, INFINITY, "0", NULL, NULL,
+     "Young's modulus E of the particles, of the Hertz-Mindlin law"},
+    {"poisson_ratio", KEY_FLOAT, OF(scene_material, poisson_ratio), NULL, 0, 0.5, "0", NULL, NULL,
+     "Poisson's ratio of the particles, of the Hertz-Mindlin law"},
+    {"restitution", KEY_FLOAT, OF(scene_material, restitution), NULL, 0.001, 1, "1", NULL, NULL,
+     "coefficient of restitution e, the same at any speed, of the Hertz-Mindlin law; 1: no dashpot"},
     {"gamma_n_kg_per_s", KEY_FLOAT, OF(scene_material, gamma_n_kg_per_s), "kg/s", 0, INFINITY, "0", NULL, NULL,
      "normal dissipation gamma_0"},
     {"mu_s", KEY_FLOAT, OF(scene_material, mu_s), NULL, 0, 100, "0", NULL, NULL,

@@ -37,3 +37,9 @@ set_tests_properties(sim_unit PROPERTIES LABELS unit TIMEOUT 120)
 # The arrows between our files.
 add_test(NAME includes COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_includes.sh ${PROJECT_SOURCE_DIR})
 set_tests_properties(includes PROPERTIES LABELS unit TIMEOUT 60)
+
+# Contact laws beyond the two papers, against closed forms.
+add_executable(test_hertz ${CMAKE_CURRENT_LIST_DIR}/test_hertz.c)
+target_link_libraries(test_hertz PRIVATE sim_fixture)
+add_test(NAME hertz COMMAND test_hertz)
+set_tests_properties(hertz PROPERTIES LABELS physics TIMEOUT 120)

@@ -5,7 +5,7 @@
 
 struct normal_functions {
     void (*constants)(const struct scene_material *material, double *constant);
-    double (*stiffness)(const double *constant);
+    double (*stiffness)(const double *constant, double radius_m, double force_n);
     int traits;
 };
 
@@ -26,8 +26,13 @@ struct contact_law_constants contact_law_constants_of(const struct scene_materia
         .gamma_t = m->gamma_t_kg_per_s,
     };
     normal_functions[normal].constants(m, law.normal);
-    law.stiffness = normal_functions[normal].stiffness(law.normal);
+    contact_law_set_scale(&law, normal, 0, 0);
     return law;
+}
+
+void contact_law_set_scale(struct contact_law_constants *law, int normal, double radius_m, double force_n)
+{
+    law->stiffness = normal_functions[normal].stiffness(law->normal, radius_m, force_n);
 }
 
 int contact_law_traits(int normal)

@@ -10,7 +10,7 @@ enum { NORMAL_CONSTANTS_MAX = 8 };
 /* One stage's law, ready for the kernels. */
 struct contact_law_constants {
     double normal[NORMAL_CONSTANTS_MAX]; /* of the normal law, as its text has them */
-    double stiffness;                    /* upper bound of the normal stiffness [N/m] */
+    double stiffness;                    /* upper bound of the normal stiffness [N/m]; contact_law_set_scale */
     double gamma_n;                      /* kg/s */
     double mu_s, mu_d;
     double kt, inv_kt; /* N/m, m/N */
@@ -33,6 +33,10 @@ struct contact_forces {
 /* Constants of a stage. normal: enum contact_law, that of the model (contact_model.h), which may be richer than the
  * stage's. */
 struct contact_law_constants contact_law_constants_of(const struct scene_material *material, int normal);
+
+/* Sets the stiffness of a law whose stiffness goes with the force: that of two particles of the radius under the force
+ * (0: none is known, a small overlap is taken); else nothing. */
+void contact_law_set_scale(struct contact_law_constants *law, int normal, double radius_m, double force_n);
 
 /* Traits of a normal law (enum normal_trait, contact_model.h). */
 int contact_law_traits(int normal);

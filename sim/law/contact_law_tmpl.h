@@ -81,7 +81,7 @@ LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
  * - normal_law, normal_law_of: its constants, from those of contact_law.h; unit: that of overlaps and lengths it
  *   remembers [m];
  * - normal_memory, normal_memory_at: its columns of the history (contact_history.h);
- * - normal_elastic: the elastic force at overlap delta >= 0 (0: none), with the history moved on;
+ * - normal_elastic (not if PER_PAIR): the elastic force at overlap delta >= 0 (0: none), with the history moved on;
  * - normal_friction_limit: the force that limits friction, from the overlap and the force `pressing` along n on j;
  * - normal_energy: what the elastic force at delta holds;
  * - if PER_PAIR: struct pair, pair_of: of each contact the elastic force and the damping gamma_n [kg/s];
@@ -93,7 +93,8 @@ LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
 struct NAME(law) {
     struct NAME(normal_law) normal;
     scalar gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt;
-    scalar lever; /* gamma_t - kt dt/2 */
+    scalar lever;        /* gamma_t - kt dt/2 */
+    scalar half, damped; /* Mindlin: dt/2 of that, and the part of gamma_t */
 };
 
 /* dt_s: by which the contacts go on; lever_s: the time step that springs are half of ahead; unit: that of overlaps and
@@ -109,7 +110,9 @@ LANES_INLINE struct NAME(law)
                               .inv_kt = (scalar)law->inv_kt,
                               .gamma_t = (scalar)law->gamma_t,
                               .dt = (scalar)dt_s,
-                              .lever = (scalar)(law->gamma_t - 0.5 * law->kt * lever_s)};
+                              .lever = (scalar)(law->gamma_t - 0.5 * law->kt * lever_s),
+                              .half = (scalar)(0.5 * lever_s),
+                              .damped = 1};
 }
 
 /* What the contacts of a list remember, LANES of them from here on; changed in place. rest: what rounding left out of

@@ -11,15 +11,25 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
     const struct NAME(memory) memory = NAME(memory_at)(pair, history, 0);
     struct NAME(sums) sums = {0};
     const struct NAME(touch) touch = NAME(touch)(&law, at, &memory, &sums);
+#if PER_PAIR
+    const struct NAME(pair) own =
+        NAME(pair_of)(&law.normal, at->delta, *memory.root_mass, *memory.radius, &memory.normal);
+    const double elastic = own.elastic;
+#else
     const double elastic = NAME(normal_elastic)(&law.normal, at->delta, &memory.normal, &sums.own);
+#endif
     *f = (struct contact_forces){.normal = -touch.pressing,
                                  .elastic_j = NAME(normal_energy)(&law.normal, at->delta, elastic)};
 #if FRICTIONAL
     struct NAME(law) undamped = law;
     undamped.lever -= law.gamma_t;
-    undamped.gamma_t = 0;
+    undamped.damped = 0;
     const struct NAME(touch) springs = NAME(touch)(&undamped, at, &memory, &sums);
+#if MINDLIN
+    f->spring_j = 0.5 * own.inv_kt * springs.pull2;
+#else
     f->spring_j = 0.5 * law.inv_kt * springs.pull2;
+#endif
 #if DIM == 2
     f->tangential[0] = touch.pull[0] * touch.n[1];
     f->tangential[1] = -touch.pull[0] * touch.n[0];

@@ -20,5 +20,17 @@
 #undef PER_PAIR
 #undef MINDLIN
 #undef TANGENTIAL_TEXT
+#define PER_PAIR        1
+#define MINDLIN         1
+#define TANGENTIAL_TEXT "sim/law/tangential_mindlin_tmpl.h"
+#define NORMAL          hertz
+#define NORMAL_TEXT     "sim/law/normal_hertz.h"
+#include "sim/law/for_each_dimension.h"
+#undef NORMAL
+#undef NORMAL_TEXT
+
+#undef PER_PAIR
+#undef MINDLIN
+#undef TANGENTIAL_TEXT
 
 #undef MODEL_TEXT

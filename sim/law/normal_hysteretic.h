@@ -31,8 +31,10 @@ static inline void normal_hysteretic_constants(const struct scene_material *mate
     constant[HYSTERETIC_ADHESION_LOSS] = 0.5 * kc * (1 + kc / k2) * delta_min_ratio * delta_min_ratio;
 }
 
-static inline double normal_hysteretic_stiffness(const double *constant)
+static inline double normal_hysteretic_stiffness(const double *constant, double radius_m, double force_n)
 {
+    (void)radius_m;
+    (void)force_n;
     return constant[HYSTERETIC_K2];
 }
 #endif

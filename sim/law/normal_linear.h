@@ -14,8 +14,10 @@ static inline void normal_linear_constants(const struct scene_material *material
     constant[LINEAR_K] = material->kn_n_per_m;
 }
 
-static inline double normal_linear_stiffness(const double *constant)
+static inline double normal_linear_stiffness(const double *constant, double radius_m, double force_n)
 {
+    (void)radius_m;
+    (void)force_n;
     return constant[LINEAR_K];
 }
 #endif

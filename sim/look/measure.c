@@ -98,7 +98,7 @@ static void measure_energies(struct complete_sample whole, const struct contact_
     double stored =
         m->kinetic_j - ledger->kinetic_start + m->elastic_normal_j + m->elastic_tangential_j - ledger->elastic_start;
     double lost = ledger->contacts.hysteresis + ledger->contacts.viscous_normal + ledger->contacts.viscous_tangential +
-                  ledger->contacts.friction + ledger->background;
+                  ledger->contacts.friction + ledger->contacts.stiffness + ledger->background;
     m->residual_j = ledger->work_walls + m->work_gravity_j - stored - lost;
 }
 

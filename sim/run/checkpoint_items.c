@@ -115,6 +115,7 @@ static const struct entry members[] = {
     SAMPLE(ledger.contacts.viscous_normal, F64, 1),
     SAMPLE(ledger.contacts.viscous_tangential, F64, 1),
     SAMPLE(ledger.contacts.friction, F64, 1),
+    SAMPLE(ledger.contacts.stiffness, F64, 1),
     SAMPLE(verlet.skin, F64, 1),
     SAMPLE(pairs.search_max, I32, 1),
     SAMPLE(verlet.rebuilds, I64, 1),

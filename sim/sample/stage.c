@@ -1,16 +1,35 @@
 #include "sim/sample/stage.h"
 
+#include <math.h>
+
 #include "sim/sample/coupling_audit.h"
 #include "sim/sample/energy.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
 #include "sim/sample/wall_motion.h"
 
+/* The stiffness of contacts under the largest pressure of the stage, with a force of four times the mean. */
+static void set_scale(struct sample *sample)
+{
+    const struct particles *p = &sample->particles;
+    const struct scene_stage *stage = &sample->scene->stage[sample->stage];
+    double radius = 0, pressure = 0;
+    for (int i = 0; i < p->count; i++)
+        radius += p->radius[i] / p->count;
+    for (int k = 0; k < SCENE_AXES; k++)
+        pressure = fmax(pressure, fmax(fabs(stage->axis[k].pressure_pa) + fabs(stage->axis[k].amplitude_pa),
+                                       fabs(stage->axis[k].pressure_end_pa)));
+    const double area = p->dimension == 2 ? 2 * radius : 4 * radius * radius;
+    contact_law_set_scale(&sample->law, sample->pairs.model.normal, radius, 4 * pressure * area);
+}
+
 void sample_set_law(struct sample *sample)
 {
     sample->material = sample->stage < 0 ? NULL : &sample->scene->stage[sample->stage].material;
     if (sample->material) {
         sample->law = contact_law_constants_of(sample->material, sample->pairs.model.normal);
+        if (sample->pairs.model.traits & NORMAL_PER_PAIR)
+            set_scale(sample);
         coupling_audit_set_law(sample);
     }
 }
