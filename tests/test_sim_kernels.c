@@ -16,7 +16,7 @@
 enum { WIDEST = SET_WIDTH, CONTACTS_MAX = 2 * WIDEST + 1, REPEATS = 3 };
 
 struct model {
-    int dimension, hysteretic, frictional, single;
+    int dimension, law, frictional, single; /* law: enum contact_law */
 };
 
 /* All that kernels read and write. */
@@ -55,8 +55,7 @@ static double choose(struct random *random, const double *list, int n)
 
 static struct contact_model contact_model(struct model model)
 {
-    return contact_model_make(model.dimension, model.hysteretic ? LAW_HYSTERETIC : LAW_LINEAR, model.frictional,
-                              model.single);
+    return contact_model_make(model.dimension, model.law, model.frictional, model.single);
 }
 
 /* kc = 0, k1 = k2, mu = 0 and above 1, kt = 0 (a stage without friction in a scene with it), dt = 0 (forces anew). */
@@ -64,8 +63,11 @@ static struct contact_law_constants random_law(struct random *random, struct mod
 {
     double k2 = 1e5, mu = CHOOSE(random, 0, 0.3, 0.3, 1.5);
     struct scene_material m = {
-        .law = model.hysteretic ? LAW_HYSTERETIC : LAW_LINEAR,
+        .law = model.law,
         .kn_n_per_m = k2,
+        .youngs_modulus_pa = 1e8,
+        .poisson_ratio = 0.25,
+        .restitution = mu > 0.3 ? 0.9 : 0.3,
         .k1_n_per_m = k2 * CHOOSE(random, 0.1, 0.5, 1),
         .k2_n_per_m = k2,
         .kc_n_per_m = k2 * CHOOSE(random, 0, 0.5, 4),
@@ -122,7 +124,12 @@ static void random_state(struct contact_list *list, int k, const struct contact_
     if (list->model.frictional)
         list->history[HISTORY_SLIDING][k] = one_of(random, 2);
     for (int c = 0; c < contact_model_springs(&list->model); c++)
-        list->history[HISTORY_SPRING + c][k] = between(random, -size, size);
+        if (list->model.traits & NORMAL_MINDLIN)
+            list->history[HISTORY_FORCE + c][k] = 1e4 * between(random, -size, size);
+        else
+            list->history[HISTORY_SPRING + c][k] = between(random, -size, size);
+    if (history_has(&list->model, HISTORY_CONTACT_RADIUS))
+        list->history[HISTORY_CONTACT_RADIUS][k] = sqrt(0.5e-3 * fabs(overlap)) * CHOOSE(random, 0, 0.5, 1, 1, 2);
 }
 
 static void list_init(struct contact_list *list, int count, struct model model)
@@ -349,6 +356,7 @@ static struct contact_losses loss_sizes(struct bench *b, struct model model, con
         sizes.viscous_normal += fabs(lost.viscous_normal);
         sizes.viscous_tangential += fabs(lost.viscous_tangential);
         sizes.friction += fabs(lost.friction);
+        sizes.stiffness += fabs(lost.stiffness);
         contact_list_free(&one);
     }
     return sizes;
@@ -364,6 +372,7 @@ static void losses_compare(const struct contact_losses *a, const struct contact_
     assert_close("viscous tangential", a->viscous_tangential, b->viscous_tangential,
                  allowed * sizes->viscous_tangential);
     assert_close("friction", a->friction, b->friction, allowed * sizes->friction);
+    assert_close("stiffness", a->stiffness, b->stiffness, allowed * sizes->stiffness);
 }
 
 static struct kernels kernels_of(enum instruction_set isa, struct model model)
@@ -424,8 +433,8 @@ static void isa_against_reference(enum instruction_set isa)
         print_message("*** %s: THIS CPU CANNOT RUN IT, NOT TESTED ***\n", instruction_set_name(isa));
         skip();
     }
-    for (int m = 0; m < 16; m++) {
-        struct model model = {2 + m / 8, m / 4 % 2, m / 2 % 2, m % 2};
+    for (int m = 0; m < 8 * LAW_COUNT; m++) {
+        struct model model = {2 + m / (4 * LAW_COUNT), m / 4 % LAW_COUNT, m / 2 % 2, m % 2};
         for (int count = 0; count <= CONTACTS_MAX; count++)
             for (uint64_t seed = 1; seed <= SEEDS; seed++)
                 compare_once(1000 * seed + (uint64_t)count, count, model, isa);
@@ -484,7 +493,7 @@ static void hysteretic_without_hysteresis_is_linear(void **state)
     for (int m = 0; m < 8; m++)
         for (uint64_t seed = 1; seed <= 100; seed++) {
             struct model linear = {2 + m / 4, 0, m / 2 % 2, m % 2}, hysteretic = linear;
-            hysteretic.hysteretic = 1;
+            hysteretic.law = LAW_HYSTERETIC;
             struct bench a = bench_of(seed, CONTACTS_MAX, hysteretic), b = bench_of(seed, CONTACTS_MAX, hysteretic);
             struct kernels ka = kernels_of(ISA_reference, hysteretic), kb = kernels_of(ISA_reference, linear);
             const struct scene_material same = {.law = LAW_LINEAR, .kn_n_per_m = a.law.stiffness};
@@ -511,8 +520,8 @@ static void advance_is_kick_and_drift(void **state)
 {
     (void)state;
     for (int isa = 0; isa < ISA_COUNT; isa++)
-        for (int m = 0; m < 16 && instruction_set_supported(isa); m++) {
-            struct model model = {2 + m / 8, m / 4 % 2, m / 2 % 2, m % 2};
+        for (int m = 0; m < 8 * LAW_COUNT && instruction_set_supported(isa); m++) {
+            struct model model = {2 + m / (4 * LAW_COUNT), m / 4 % LAW_COUNT, m / 2 % 2, m % 2};
             struct kernels kernels = kernels_of(isa, model);
             struct bench a = bench_of(7, CONTACTS_MAX, model), b = bench_of(7, CONTACTS_MAX, model);
             struct kick_constants kick = {.dt = 1e-6, .gamma_b = 0.01, .gamma_br = 0.02, .gravity = {0, -9.81, 3}};
