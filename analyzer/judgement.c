@@ -92,13 +92,15 @@ static void overlap_check(struct judgement *judgement, const struct run *run, in
     double largest = 0;
     for (size_t k = begin; k < end; k++)
         largest = fmax(largest, *run_record(run, OBSERVABLE_MAX_OVERLAP_RATIO, k));
-    const enum worth severity = evaluated && largest > judgement_overlap_failed ? WORTH_FAILED : WORTH_SOUND;
+    /* a stage may allow itself more */
+    const double bound = fmax(judgement_overlap_failed, run->scene->stage[stage].limits.overlap_ratio);
+    const enum worth severity = evaluated && largest > bound ? WORTH_FAILED : WORTH_SOUND;
     if (largest > judgement_overlap_note && already(run, stage_name(run, stage)) < (int)severity)
         add(judgement, stage_name(run, stage), severity,
             "overlaps of up to %.3g %% of the smaller radius (note from %g %%, failed from %g %%): stiffer contacts or "
             "less "
             "pressure would be within what contact laws describe",
-            100 * largest, 100 * judgement_overlap_note, 100 * judgement_overlap_failed);
+            100 * largest, 100 * judgement_overlap_note, 100 * bound);
 }
 
 /* E_kin/E_el at the first sample. */

@@ -83,6 +83,10 @@ struct scene_axis {
     struct config_band until_strain, until_stress_pa; /* conditions */
 };
 
+struct scene_limits {
+    double overlap_ratio; /* a run stops at overlaps beyond this part of the smaller radius */
+};
+
 struct scene_stage {
     char name[CONFIG_STRING_MAX]; /* in a group that is repeated with ".1", ".2" ... of its pass */
     int name_length;              /* without that */
@@ -104,6 +108,7 @@ struct scene_stage {
     struct config_floats frame_strains; /* of the strain-controlled axis, increasing */
     struct scene_material material;
     struct scene_axis axis[SCENE_AXES];
+    struct scene_limits limits;
 };
 
 enum radius_distribution { RADIUS_UNIFORM, RADIUS_GAUSSIAN };
@@ -180,6 +185,7 @@ struct scene {
     struct scene_coupling coupling;
     struct scene_record record;
     struct scene_neighbor neighbor;
+    struct scene_limits limits; /* as material and axis: of every stage that does not say otherwise */
     struct scene_analysis analysis;
     int64_t threads;              /* of sim; 0: by the number of particles */
     double checkpoint_interval_s; /* wall-clock */

@@ -138,6 +138,13 @@ static const struct key axis_keys[] = {
 static const struct key scene_walls_keys[] = WALLS_OF(scene);
 static const struct key stage_walls_keys[] = WALLS_OF(scene_stage);
 
+static const struct key limits_keys[] = {{"overlap_ratio", KEY_FLOAT, OF(scene_limits, overlap_ratio), NULL, 0, 2,
+                                          "0.3", NULL, NULL,
+                                          "a run stops when it sees an overlap beyond this part of the smaller radius; "
+                                          "from 5 % on there is a note. A violent "
+                                          "preparation may need more in its own stage"},
+                                         {0}};
+
 const struct key scene_stage_keys[] = {
     {"name", KEY_STRING, OF(scene_stage, name), NULL, 0, 0, NULL, NULL, NULL,
      "name of the stage, its own: its checkpoint is checkpoint-NAME.h5"},
@@ -177,6 +184,7 @@ const struct key scene_stage_keys[] = {
      "strains of the strain-controlled axis at which frames are recorded, in the order they are passed"},
     {"material", KEY_GROUP, OF(scene_stage, material), NULL, 0, 0, NULL, NULL, material_keys, ""},
     {"walls", KEY_GROUP, 0, NULL, 0, 0, NULL, NULL, stage_walls_keys, ""},
+    {"limits", KEY_GROUP, OF(scene_stage, limits), NULL, 0, 0, NULL, NULL, limits_keys, ""},
     {0}};
 
 static const struct key sample_keys[] = {
@@ -272,6 +280,7 @@ const struct key scene_keys[] = {
     {"coupling", KEY_GROUP, OF(scene, coupling), NULL, 0, 0, NULL, NULL, coupling_keys, ""},
     {"record", KEY_GROUP, OF(scene, record), NULL, 0, 0, NULL, NULL, record_keys, ""},
     {"neighbor", KEY_GROUP, OF(scene, neighbor), NULL, 0, 0, NULL, NULL, neighbor_keys, ""},
+    {"limits", KEY_GROUP, OF(scene, limits), NULL, 0, 0, NULL, NULL, limits_keys, ""},
     {"analysis", KEY_GROUP, OF(scene, analysis), NULL, 0, 0, NULL, NULL, analysis_keys, ""},
     {0}};
 
@@ -284,6 +293,7 @@ void scene_stage_start(const struct scene *scene, struct scene_stage *stage)
     config_defaults(scene_stage_keys, stage);
     stage->material = scene->material;
     memcpy(stage->axis, scene->axis, sizeof stage->axis);
+    stage->limits = scene->limits;
 }
 
 /* Until a table, a ramp or a course of strain has come to its end; 0: it has none. */

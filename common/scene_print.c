@@ -60,14 +60,16 @@ void scene_print_reference(FILE *out)
         "A scene is a libconfig file, at most 24 kB. An unknown key is an error. Integers are taken where a number is "
         "asked for; a number that cannot be held is refused. `@include` is not taken. "
         "Compression is positive in stress and strain.\nSources: [LH] Luding & Herrmann (2001), [D] David et al. "
-        "(2007), see `theory.md`.\n\n## Scene\n\n`material` and `walls` hold for every stage that does not say "
+        "(2007), see `theory.md`.\n\n## Scene\n\n`material`, `walls` and `limits` hold for every stage that does not "
+        "say "
         "otherwise.\n\n%s",
         header);
     config_print_reference(out, scene_keys, "");
     fprintf(
         out,
-        "\n## Stages\n\n`stages = ( { ... }, { ... } )`, run in order. A stage takes its `material` and `walls` from "
-        "the scene and overrides key by key. A member of the list may be a group of stages, run `repeat` times: "
+        "\n## Stages\n\n`stages = ( { ... }, { ... } )`, run in order. A stage takes its `material`, `walls` and "
+        "`limits` "
+        "from the scene and overrides key by key. A member of the list may be a group of stages, run `repeat` times: "
         "`{ repeat = 20; stages = ( { ... }, { ... } ); }`; the stages of its passes are called NAME.1, NAME.2, … "
         "At most %d stages in all.\n\n%s",
         SCENE_STAGES_MAX, header);

@@ -243,10 +243,16 @@ static bool is_wish_to_stop(int code)
            code == EXIT_CODE_OF_SIGNAL + SIGHUP;
 }
 
+/* A simulator whose result is doubtful has come to its end like any other; the analyzer says it again. */
+static bool is_end_of_sim(enum role role, int code)
+{
+    return role == ROLE_SIM && code == status_exit_code(STATUS_DOUBTFUL);
+}
+
 /* Whether an exit code only tells what was asked for, or what the end of another process has caused. */
 static bool is_consequence(const struct supervisor *s, enum role role, int code)
 {
-    if (code == 0 || s->level >= STOP_KILL)
+    if (code == 0 || is_end_of_sim(role, code) || s->level >= STOP_KILL)
         return true;
     if (s->level == STOP_NONE)
         return false;

@@ -38,6 +38,7 @@ const struct field sample_fields[] = {
     SAMPLE(elastic_energy_tangential_j, F64, ONE, "J"),
     SAMPLE(work_walls_j, F64, ONE, "J"),
     SAMPLE(work_gravity_j, F64, ONE, "J"),
+    SAMPLE(work_material_j, F64, ONE, "J"),
     SAMPLE(dissipated_hysteresis_j, F64, ONE, "J"),
     SAMPLE(dissipated_viscous_normal_j, F64, ONE, "J"),
     SAMPLE(dissipated_viscous_tangential_j, F64, ONE, "J"),

@@ -16,7 +16,7 @@ static const char usage[] =
     "  --progress    print the progress on stderr\n"
     "  --checkpoint FILE  write checkpoints there (scene key checkpoint_interval_s, and at stage ends)\n"
     "  --resume FILE      go on from a checkpoint of this scene and run id\n"
-    "  --check       only read and check the scene, with --resume the checkpoint too\n"
+    "  --check       only read and check the scene and its time steps, with --resume the checkpoint too\n"
     "  --explain     print what the scene models and what it costs\n"
     "  --effective   print every key with the value in force\n"
     "sim --replay LOG SCENE [--run-id N] [--set key=value]... [--seed N]\n"
@@ -45,7 +45,7 @@ static enum status replay_log(const struct scene *scene, const struct command_li
 static enum status act(const struct scene *scene, const struct command_line *line, const struct options *options)
 {
     if (options->check)
-        return options->resume ? run_check_resume(scene, options->resume) : STATUS_OK;
+        return options->resume ? run_check_resume(scene, options->resume) : explain_check(scene);
     if (options->explain)
         return explain_scene(stdout, scene);
     if (options->effective) {

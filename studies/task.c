@@ -159,6 +159,12 @@ static enum status program(const char *folder, const char *bin, const char *name
     return process_run(argv, folder, log, code);
 }
 
+/* Whether the simulator came to its end: sound or doubtful, which the record says. */
+static bool is_end(int code)
+{
+    return code == 0 || code == status_exit_code(STATUS_DOUBTFUL);
+}
+
 static enum status prepare(const char *folder, const char *bin, int *code)
 {
     static const char *const fresh[] = {"scene.cfg", "--in-process", "--progress", "--checkpoint",
@@ -170,7 +176,7 @@ static enum status prepare(const char *folder, const char *bin, int *code)
     TRY(files_join(path, sizeof path, folder, "part.h5"));
     if (files_exist(path)) {
         TRY(program(folder, bin, "sim", resumed, code));
-        if (*code == 0 || stop_requested())
+        if (is_end(*code) || stop_requested())
             return STATUS_OK;
         TRY(files_remove(path)); /* of another version: from the start */
     }
@@ -185,7 +191,7 @@ static enum status preparation_make(const char *folder, const char *bin)
     TRY(files_join(part, sizeof part, folder, "part.h5"));
     TRY(files_join(whole, sizeof whole, folder, TASK_PREPARED));
     TRY(prepare(folder, bin, &code));
-    if (code != 0 || stop_requested() || !files_exist(part))
+    if (!is_end(code) || stop_requested() || !files_exist(part))
         return failed(folder, "the preparation failed");
     static const char *const used_up[] = {"part-*", "checkpoint-*", NULL};
     TRY(products_remove(folder, used_up));
@@ -235,7 +241,7 @@ static enum status simulate(const struct task *task, const char *bin)
     TRY(files_join(log, sizeof log, task->folder, "run.lcm"));
     if (files_exist(path) && files_exist(log)) {
         TRY(program(task->folder, bin, "sim", resumed, &code));
-        if (code == 0 || stop_requested())
+        if (is_end(code) || stop_requested())
             return STATUS_OK;
     }
     /* from the start: there is no checkpoint, or it is of another version, or the log does not fit */

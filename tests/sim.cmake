@@ -43,3 +43,10 @@ add_executable(test_hertz ${CMAKE_CURRENT_LIST_DIR}/test_hertz.c)
 target_link_libraries(test_hertz PRIVATE sim_fixture)
 add_test(NAME hertz COMMAND test_hertz)
 set_tests_properties(hertz PROPERTIES LABELS physics TIMEOUT 120)
+
+# Scenes that look sound and are not.
+add_test(NAME verdict COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_verdict.sh $<TARGET_FILE:sim>
+                              ${CMAKE_CURRENT_LIST_DIR}/verdict)
+set_tests_properties(verdict PROPERTIES LABELS physics TIMEOUT 120)
+add_test(NAME odd_scenes COMMAND bench_odd_scenes $<TARGET_FILE:sim> ${CMAKE_CURRENT_BINARY_DIR}/odd 25 7 60)
+set_tests_properties(odd_scenes PROPERTIES LABELS physics TIMEOUT 300)

@@ -7,6 +7,17 @@
 #include "sim/sample/contact_state.h"
 #include "sim/sample/energy.h"
 
+static const double PI = 3.14159265358979323846;
+
+/* Of all particles, in 2D too [m^3]. */
+static double sphere_volume(const struct particles *p)
+{
+    double sum = 0;
+    for (int i = 0; i < p->count; i++)
+        sum += p->radius[i] * p->radius[i] * p->radius[i];
+    return 4 * PI / 3 * sum;
+}
+
 static void measure_box(const struct sample *sample, struct measurement *m)
 {
     const int dim = sample->particles.dimension;
@@ -26,16 +37,17 @@ static void measure_box(const struct sample *sample, struct measurement *m)
     m->solid_fraction = particles_solid_volume(&sample->particles) / volume;
 }
 
-/* Inertial number of the fastest strain rate, p the mean wall stress: 3D |rate| 2 <a> sqrt(rho/p), 2D |rate|
- * sqrt(<m>/p) as the spheres are not as deep as the box. */
-static double inertial_number(const struct sample *sample, const struct measurement *m)
+double measure_inertial_number(const struct sample *sample)
 {
     const int dim = sample->particles.dimension;
     const struct particles *p = &sample->particles;
-    double rate = 0, pressure = 0, radius = 0, mass = 0;
+    double rate = 0, pressure = 0, radius = 0, mass = 0, volume = 1;
+    for (int c = 0; c < dim; c++)
+        volume *= sample_box_length_m(sample, c);
     for (int c = 0; c < dim; c++) {
-        rate = fmax(rate, fabs(sample->walls[2 * c + 1].v - sample->walls[2 * c].v) / m->box_length_m[c]);
-        pressure += m->stress_wall_pa[c] / dim;
+        const double length = sample_box_length_m(sample, c);
+        rate = fmax(rate, fabs(sample->walls[2 * c + 1].v - sample->walls[2 * c].v) / length);
+        pressure += 0.5 * (sample->walls[2 * c].force + sample->walls[2 * c + 1].force) * length / volume / dim;
     }
     for (int i = 0; i < p->count; i++) {
         radius += p->radius[i] / p->count;
@@ -43,8 +55,21 @@ static double inertial_number(const struct sample *sample, const struct measurem
     }
     if (!(pressure > 0))
         return 0;
-    return rate *
-           (dim == 2 ? sqrt(mass / pressure) : 2 * radius * sqrt(sample->scene->sample.density_kg_per_m3 / pressure));
+    /* the density is that of the particles: a sample from a checkpoint may have another than the scene */
+    const double density = mass * p->count / sphere_volume(p);
+    return rate * (dim == 2 ? sqrt(mass / pressure) : 2 * radius * sqrt(density / pressure));
+}
+
+double measure_turnover_j(const struct sample *sample, const struct measurement *m)
+{
+    const struct ledger *ledger = &sample->ledger;
+    const struct contact_losses *lost = &ledger->contacts;
+    const double work = fabs(ledger->work_walls) + fabs(m->work_gravity_j) + fabs(ledger->work_material);
+    const double losses = fabs(lost->hysteresis) + fabs(lost->viscous_normal) + fabs(lost->viscous_tangential) +
+                          fabs(lost->friction) + fabs(lost->stiffness) + fabs(ledger->background);
+    const double elastic = m->elastic_normal_j + m->elastic_tangential_j;
+    const double stored = fabs(m->kinetic_j - ledger->kinetic_start) + fabs(elastic - ledger->elastic_start);
+    return fmax(fmax(work, losses), fmax(stored, ledger->kinetic_start));
 }
 
 /* Contacts of each particle, those with rattlers left out; returns the number of contact ends counted. */
@@ -99,7 +124,7 @@ static void measure_energies(struct complete_sample whole, const struct contact_
         m->kinetic_j - ledger->kinetic_start + m->elastic_normal_j + m->elastic_tangential_j - ledger->elastic_start;
     double lost = ledger->contacts.hysteresis + ledger->contacts.viscous_normal + ledger->contacts.viscous_tangential +
                   ledger->contacts.friction + ledger->contacts.stiffness + ledger->background;
-    m->residual_j = ledger->work_walls + m->work_gravity_j - stored - lost;
+    m->residual_j = ledger->work_walls + m->work_gravity_j + ledger->work_material - stored - lost;
 }
 
 static void measure_contact_state(const struct sample *sample, const struct contact_survey *contacts,
@@ -137,7 +162,7 @@ enum status measure(struct complete_sample whole, struct measurement *m)
         contact_survey_make(whole, true, &contacts);
         measure_contact_state(sample, &contacts, m);
         measure_box(sample, m);
-        m->inertial_number = inertial_number(sample, m);
+        m->inertial_number = measure_inertial_number(sample);
         measure_energies(whole, &contacts, m);
         remove_rattlers(sample, &contacts, rattler, degree, m);
     }

@@ -17,6 +17,15 @@ struct measurement {
     double work_gravity_j, residual_j;
 };
 
+/* Inertial number of the fastest strain rate, p the mean wall stress: 3D |rate| 2 <a> sqrt(rho/p), 2D |rate|
+ * sqrt(<m>/p) as the spheres are not as deep as the box; 0 without pressure. The last step need not be complete. */
+double measure_inertial_number(const struct sample *sample);
+
+/* The energy that passed through the sample in the stage, to hold the ledger's residual against [J]: the largest of the
+ * work (of walls, gravity and a change of material), all losses, the change of what is held, and the kinetic energy at
+ * the start. A stage that only comes to rest does no work, so that work alone is no measure. */
+double measure_turnover_j(const struct sample *sample, const struct measurement *m);
+
 /* Errors: STATUS_NO_MEMORY; STATUS_UNSTABLE if the energies are not finite. */
 enum status measure(struct complete_sample whole, struct measurement *m) MUST_USE;
 

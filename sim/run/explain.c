@@ -2,7 +2,9 @@
 
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "sim/look/step_limit.h"
 #include "sim/run/sample_source.h"
 
 static size_t bytes_per_particle(const struct particles *p)
@@ -41,24 +43,29 @@ static void explain_contacts(FILE *out, const struct contact_list *list, int dim
             bytes_per_candidate(list, dimension));
 }
 
-static void explain_contact_time(FILE *out, const struct sample *sample)
+static void explain_time_step(FILE *out, const struct sample *sample)
 {
-    const double pi = 3.14159265358979323846;
-    double lightest = sample->particles.mass[0];
-    for (int i = 1; i < sample->particles.count; i++)
-        lightest = sample->particles.mass[i] < lightest ? sample->particles.mass[i] : lightest;
     for (int s = 0; s < sample->scene->n_stages; s++) {
-        struct contact_law_constants law =
-            contact_law_constants_of(&sample->scene->stage[s].material, sample->pairs.model.normal);
-        double reduced = 0.5 * lightest, eta = law.gamma_n / (2 * reduced);
-        double omega2 = law.stiffness / reduced - eta * eta;
-        fprintf(out, "  stage %d %-12s dt %.3g s, ", s, sample->scene->stage[s].name, sample->scene->stage[s].dt_s);
-        if (omega2 > 0)
-            fprintf(out, "shortest contact time %.3g s = %.0f steps\n", pi / sqrt(omega2),
-                    pi / sqrt(omega2) / sample->scene->stage[s].dt_s);
-        else
-            fprintf(out, "contacts of the lightest particle are overdamped\n");
+        const struct scene_stage *stage = &sample->scene->stage[s];
+        const struct step_limit limit = step_limit_of(sample, stage);
+        fprintf(out, "  stage %d %-12s dt %.3g s, shortest contact time %.3g s = %.0f steps; stable up to %.2g s", s,
+                stage->name, stage->dt_s, limit.contact_s, limit.contact_s / stage->dt_s, limit.stable_s);
+        if (isfinite(limit.wall_stable_s))
+            fprintf(out, ", wall %c up to %.2g s", limit.wall_axis, limit.wall_stable_s);
+        fprintf(out, "\n");
     }
+}
+
+enum status explain_check(const struct scene *scene)
+{
+    struct sample *sample;
+    /* a sample that another run is to make first cannot be looked at yet */
+    if (scene->sample.initial == INITIAL_CHECKPOINT && access(scene->sample.checkpoint, R_OK) != 0)
+        return STATUS_OK;
+    TRY(sample_from_scene(&sample, scene));
+    enum status status = step_limit_check(sample);
+    sample_free(sample);
+    return status;
 }
 
 enum status explain_scene(FILE *out, const struct scene *scene)
@@ -79,7 +86,7 @@ enum status explain_scene(FILE *out, const struct scene *scene)
         fprintf(out, " x %g", sample_box_length_m(sample, 2));
     fprintf(out, " m, skin of the lists %g m%s\n", sample->verlet.skin,
             sample->verlet.skin_fixed > 0 ? "" : " to begin with (tuned while running)");
-    explain_contact_time(out, sample);
+    explain_time_step(out, sample);
     sample_free(sample);
     return STATUS_OK;
 }

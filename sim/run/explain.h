@@ -9,4 +9,8 @@
 /* Prints the explanation. Errors: those of sample_create. */
 enum status explain_scene(FILE *out, const struct scene *scene) MUST_USE;
 
+/* What a scene says is right, and the particles that it places bear its time steps (look/step_limit.h). Errors: those
+ * of placing them; STATUS_CONFIG. */
+enum status explain_check(const struct scene *scene) MUST_USE;
+
 #endif

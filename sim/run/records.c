@@ -8,6 +8,7 @@
 #include "shakedown_end_t.h"
 #include "shakedown_frame_contacts_t.h"
 #include "shakedown_frame_particles_t.h"
+#include "shakedown_note_t.h"
 #include "shakedown_particles_t.h"
 #include "shakedown_run_info_t.h"
 #include "shakedown_sample_t.h"
@@ -122,6 +123,17 @@ enum status records_send_checkpoint(struct records *records, const struct sample
     SEND(records, sample, RECORD_CHECKPOINT, checkpoint_t, &message);
 }
 
+enum status records_send_note(struct records *records, const struct sample *sample, enum note_severity severity,
+                              const char *text)
+{
+    shakedown_note_t message = {.stage = sample->stage,
+                                .stage_name =
+                                    (char *)(sample->stage < 0 ? "" : sample->scene->stage[sample->stage].name),
+                                .severity = (int8_t)severity,
+                                .text = (char *)text};
+    SEND(records, sample, RECORD_NOTE, note_t, &message);
+}
+
 static void fill_ledger(shakedown_sample_t *message, const struct sample *sample, const struct measurement *m)
 {
     message->kinetic_energy_j = m->kinetic_j;
@@ -129,6 +141,7 @@ static void fill_ledger(shakedown_sample_t *message, const struct sample *sample
     message->elastic_energy_tangential_j = m->elastic_tangential_j;
     message->work_walls_j = sample->ledger.work_walls;
     message->work_gravity_j = m->work_gravity_j;
+    message->work_material_j = sample->ledger.work_material;
     message->dissipated_hysteresis_j = sample->ledger.contacts.hysteresis;
     message->dissipated_viscous_normal_j = sample->ledger.contacts.viscous_normal;
     message->dissipated_viscous_tangential_j = sample->ledger.contacts.viscous_tangential;

@@ -2,6 +2,7 @@
 #ifndef SHAKEDOWN_SIM_RUN_RECORDS_H
 #define SHAKEDOWN_SIM_RUN_RECORDS_H
 
+#include "common/message.h"
 #include "common/record_stream.h"
 #include "sim/look/measure.h"
 #include "sim/sample/sample.h"
@@ -30,6 +31,10 @@ enum status records_send_start(struct records *records, const struct sample *sam
 
 /* Has all that was recorded so far brought to disk, as a checkpoint of this state follows. */
 enum status records_send_checkpoint(struct records *records, const struct sample *sample, int64_t wall_states) MUST_USE;
+
+/* A line about the run itself. */
+enum status records_send_note(struct records *records, const struct sample *sample, enum note_severity severity,
+                              const char *text) MUST_USE;
 
 /* The state of the sample now, as `measure` found it. */
 enum status records_send_sample(struct records *records, const struct sample *sample, struct measurement *m) MUST_USE;

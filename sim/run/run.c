@@ -7,6 +7,7 @@
 #include "common/signals.h"
 #include "sim/run/checkpoint.h"
 #include "sim/run/run_checkpoints.h"
+#include "sim/run/run_judge.h"
 #include "sim/run/run_records.h"
 #include "sim/run/run_state.h"
 #include "sim/run/run_status.h"
@@ -41,6 +42,7 @@ static enum status steps(struct run *run, int n)
     for (int k = 0; k < n; k++) {
         TRY(sample_step_open(run->sample));
         TRY(run_record_step(run));
+        TRY(run_judge_step(run));
         if (run->sample->step % STEPS_PER_LOOK == 0)
             TRY(run_status_tick(run));
     }
@@ -80,7 +82,7 @@ static enum status interrupt(struct run *run)
     const int64_t step = run->sample->step;
     if (run->sample->stage >= 0)
         TRY(run_checkpoint(run, false));
-    return status_fail(STATUS_INTERRUPTED, "interrupted at step %" PRId64, step);
+    return status_fail(STATUS_INTERRUPTED, "interrupted at %.0f %% (step %" PRId64 ")", 100 * run->fraction_done, step);
 }
 
 /* From exchange to exchange until the controller says that the protocol is done. */
@@ -102,6 +104,7 @@ static enum status loop(struct run *run)
         bool changes = command->finished || command->stage != run->sample->stage;
         if (changes && run->sample->stage >= 0) {
             TRY(run_record_stage_end(run));
+            TRY(run_judge_stage_end(run));
             TRY(run_checkpoint(run, true));
         }
         if (changes)
@@ -113,6 +116,7 @@ static enum status loop(struct run *run)
             run->frame_strain_next = 0;
             run->remaining = (struct time_remaining){0};
             TRY(run_record_step(run));
+            TRY(run_judge_stage_start(run));
         }
         TRY(interval(run, &state));
     }
@@ -120,10 +124,11 @@ static enum status loop(struct run *run)
 
 static enum status start_and_loop(struct run *run)
 {
+    run->start_s = run->status_s = run->checkpoint_s = clock_now_s();
     TRY(run_records_start(run));
+    TRY(run_judge_before(run));
     TRY(exchange_init(&run->exchange, run->scene, &run->bus, run->stream, run->options->run_id,
                       run->options->in_process, run->options->replay));
-    run->start_s = run->status_s = run->checkpoint_s = clock_now_s();
     if (run->resumed)
         run_resume_progress(run);
     TRY(loop(run));
@@ -168,5 +173,5 @@ enum status run_scene(const struct scene *scene, const struct run_options *optio
                     : 0,
                 run.sample->verlet.rebuilds, run.sample->pairs.count, sample_hash(sample_complete(run.sample)));
     sample_free(run.sample);
-    return status;
+    return run_judge_verdict(&run, status);
 }

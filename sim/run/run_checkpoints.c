@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "sim/run/checkpoint.h"
+#include "sim/sample/step_completion.h"
 
 /* Checkpoints by the clock take at most this part of the run's time. Who asks for several in a second wants them. */
 static const double COST_MAX = 0.01, SPARING_INTERVAL_S = 1;
@@ -27,6 +28,8 @@ static struct run_progress progress_of(const struct run *run, bool answered)
                                     .frames = run->records.n_frames,
                                     .last_sample_step = run->records.last_sample_step,
                                     .last_frame_step = run->records.last_frame_step,
+                                    .watch = run->judge.watch,
+                                    .doubts = run->judge.doubts,
                                     .elapsed_s = run->before.elapsed_s + clock_now_s() - run->start_s,
                                     .has_command = run->has_command};
     if (run->has_command)
@@ -82,6 +85,21 @@ enum status run_checkpoint(struct run *run, bool stage_end)
     return STATUS_OK;
 }
 
+enum status run_checkpoint_failed(struct run *run)
+{
+    char path[PATH_MAX];
+    if (!run->options->checkpoint || run->sample->stage < 0)
+        return STATUS_OK;
+    const char *slash = strrchr(run->options->checkpoint, '/');
+    const int folder = slash ? (int)(slash - run->options->checkpoint) + 1 : 0;
+    const int length = snprintf(path, sizeof path, "%.*scheckpoint-failed.h5", folder, run->options->checkpoint);
+    if (length >= (int)sizeof path)
+        return status_fail(STATUS_IO, "the path %s is too long", run->options->checkpoint);
+    (void)sample_complete(run->sample);
+    const struct run_progress progress = progress_of(run, false);
+    return checkpoint_write(path, run->sample, &progress);
+}
+
 /* Looks at the clock of run_status_tick, so that an exchange costs no call. */
 bool run_checkpoint_is_due(const struct run *run)
 {
@@ -103,6 +121,9 @@ void run_resume_progress(struct run *run)
     run->records.last_sample_step = before->last_sample_step;
     run->records.last_frame_step = before->last_frame_step;
     run->status_step = run->sample->step;
+    run->judge.watch = before->watch;
+    run->judge.doubts = before->doubts;
+    snprintf(run->judge.first_doubt, sizeof run->judge.first_doubt, "noted before the checkpoint");
     run->has_command = before->has_command != 0;
     run->command = before->command;
 }

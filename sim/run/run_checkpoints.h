@@ -15,4 +15,8 @@ enum status run_checkpoint(struct run *run, bool stage_end) MUST_USE;
 /* Takes over where the run stood. */
 void run_resume_progress(struct run *run);
 
+/* The state of a run that stopped by itself, in checkpoint-failed.h5 beside the others: to be looked at, not to go on
+ * from. */
+enum status run_checkpoint_failed(struct run *run) MUST_USE;
+
 #endif

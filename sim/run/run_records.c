@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include "sim/look/measure.h"
+#include "sim/run/run_checkpoints.h"
+#include "sim/run/run_judge.h"
 #include "sim/sample/step_completion.h"
 
 /* `every_s` in steps of the stage, at least one; 0 s: never. */
@@ -134,6 +136,20 @@ enum status run_records_start(struct run *run)
     return record_stream_flush(run->stream); /* the recorder is there before anything happens */
 }
 
+/* A run that stopped by itself: the state that it stopped in, as a last sample, frame and checkpoint, so that one can
+ * look at it; a sample that cannot be measured any more has no numbers to show. */
+static enum status keep_failure(struct run *run, enum status status)
+{
+    if (status != STATUS_UNSTABLE && status != STATUS_LIMIT)
+        return STATUS_OK;
+    if (run->sample->stage >= 0 && run->records.last_sample_step != run->sample->step &&
+        take_sample(run) == STATUS_OK && run->options->progress)
+        fprintf(stderr, "sim: the state it stopped in is the last sample and frame\n");
+    if (run->sample->stage >= 0)
+        TRY(take_frame(run));
+    return run_checkpoint_failed(run);
+}
+
 static enum status send_end(struct run *run, enum status status)
 {
     TRY(exchange_settle(&run->exchange));
@@ -150,7 +166,14 @@ enum status run_records_finish(struct run *run, enum status status)
         return status;
     char message[512];
     snprintf(message, sizeof message, "%s", status_message());
-    enum status sent = send_end(run, status);
+    enum status sent = run_judge_note_failure(run, status);
+    if (sent == STATUS_OK)
+        sent = keep_failure(run, status);
+    if (sent != STATUS_OK)
+        fprintf(stderr, "sim: warning: the state at the failure was not kept: %s\n", status_message());
+    if (status != STATUS_OK)
+        (void)status_fail(status, "%s", message); /* END's reason */
+    sent = send_end(run, status);
     if (sent == STATUS_OK)
         sent = record_stream_flush(run->stream);
     return status != STATUS_OK ? status_fail(status, "%s", message) : sent;

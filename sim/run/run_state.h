@@ -3,6 +3,7 @@
 #define SHAKEDOWN_SIM_RUN_RUN_STATE_H
 
 #include "common/record_stream.h"
+#include "sim/look/stage_watch.h"
 #include "sim/look/time_remaining.h"
 #include "sim/run/exchange.h"
 #include "sim/run/records.h"
@@ -16,6 +17,12 @@ struct run_energies {
     int64_t step; /* at which it was measured */
 };
 
+struct run_judge {
+    struct stage_watch watch; /* of the stage */
+    int64_t doubts;           /* notes so far that make the run doubtful */
+    char first_doubt[768];
+};
+
 struct run {
     const struct scene *scene;
     const struct run_options *options;
@@ -24,6 +31,7 @@ struct run {
     struct record_stream *stream;
     struct records records;
     struct exchange exchange;
+    struct run_judge judge;
     double fraction_done;
     struct run_energies energies;    /* measured when the controller wants them */
     struct held_energy sampled;      /* of the last sample, for people */

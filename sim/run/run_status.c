@@ -84,7 +84,8 @@ enum status run_status_tick(struct run *run)
     if (stop_requested() && run->stop_s <= 0)
         run->stop_s = now;
     if (run->stop_s > 0 && now - run->stop_s > STOP_PATIENCE_S)
-        return status_fail(STATUS_INTERRUPTED, "interrupted at step %" PRId64, run->sample->step);
+        return status_fail(STATUS_INTERRUPTED, "interrupted at %.0f %% (step %" PRId64 ")", 100 * run->fraction_done,
+                           run->sample->step);
     if (since < STATUS_INTERVAL_S)
         return STATUS_OK;
     double speed = (double)(run->sample->step - run->status_step) / since;

@@ -17,8 +17,9 @@ void coupling_audit_close(struct sample *sample, const struct wall_command *comm
 void coupling_audit_open(struct sample *sample);
 
 /* After each step: adds up the work; at the end of an interval the residual, and the watch. STATUS_UNSTABLE if a wall
- * in a force loop is faster than sound in the sample, walls have passed each other, or the mismatch is beyond all
- * energy of the sample; the message names the interval that would hold. x_before [n_walls]: before the step. */
+ * in a force loop is faster than sound in the sample and its pressure make it, walls have passed each other, or the
+ * mismatch is beyond all energy of the sample; the message names the interval that would hold. x_before [n_walls]:
+ * before the step. */
 enum status coupling_audit_step(struct sample *sample, const double *x_before, const double *force_before) MUST_USE;
 
 #endif

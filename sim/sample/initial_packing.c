@@ -55,7 +55,8 @@ static void place_lattice(struct particles *p, const struct scene_sample *sample
     }
 }
 
-/* Grid of cells as large as the largest particle; each lists its particles by links. */
+/* Grid of cells at least as large as the largest particle, and not many more of them than particles; each lists its
+ * particles by links. */
 struct grid {
     int cells[3];
     double size[3];
@@ -93,6 +94,11 @@ static bool overlaps(const struct particles *p, const struct grid *grid, const d
 static enum status grid_init(struct grid *grid, const struct particles *p, const double *hi, double diameter)
 {
     size_t total = 1;
+    const double cells_max = ceil(pow(4.0 * p->count, 1.0 / p->dimension));
+    double volume = 1;
+    for (int c = 0; c < p->dimension; c++)
+        volume *= hi[c];
+    diameter = fmax(diameter, pow(volume, 1.0 / p->dimension) / cells_max);
     for (int c = 0; c < 3; c++) {
         grid->cells[c] = 1;
         grid->size[c] = 1;
@@ -158,7 +164,9 @@ static enum status place_random(struct particles *p, const struct scene_sample *
         lo[c] = 0;
         hi[c] = c == p->dimension - 1 ? width * sample->aspect_ratio : width;
         if (hi[c] < 2 * sample->radius_max_m)
-            return status_fail(STATUS_LIMIT, "random start: the box is smaller than the largest particle");
+            return status_fail(
+                STATUS_LIMIT,
+                "random start: the box is smaller than the largest particle; lower sample.solid_fraction");
     }
     qsort(p->radius, (size_t)p->count, sizeof *p->radius, larger_radius_first);
     struct grid grid = {0};

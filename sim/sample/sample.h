@@ -15,7 +15,8 @@
 struct ledger {
     double kinetic_start, elastic_start, potential_start;
     double work_walls;
-    double background; /* dissipated by background damping */
+    double work_material; /* what the stage's material, where it is another, added to the elastic energy held */
+    double background;    /* dissipated by background damping */
     struct contact_losses contacts;
 };
 

@@ -37,16 +37,22 @@ void sample_set_law(struct sample *sample)
 static void stage_start(struct sample *sample, int stage)
 {
     (void)sample_complete(sample);
+    const bool first = sample->stage < 0; /* no law so far */
     const struct scene_stage *next = &sample->scene->stage[stage];
     sample->stage = stage;
     sample->stage_step = 0;
     sample->stage_time_start_s = sample->time_s;
     sample->dt = next->dt_s;
+    const double elastic_before = energy_held(sample_complete(sample)).elastic_j; /* with the material of before */
     sample_set_law(sample);
     for (int w = 0; w < sample->n_walls; w++)
         sample->stage_position_m[w] = sample->walls[w].x;
     time_step_forces_anew(sample);
     sample->ledger = energy_ledger_start(sample_complete(sample));
+    if (!first) {
+        sample->ledger.work_material = sample->ledger.elastic_start - elastic_before;
+        sample->ledger.elastic_start = elastic_before;
+    }
     coupling_audit_stage_start(sample);
 }
 

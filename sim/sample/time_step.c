@@ -78,11 +78,30 @@ static enum status check_inside(const struct sample *sample)
     return STATUS_OK;
 }
 
+/* Mixed precision: positions are integers that hold a few skins (particles.h). STATUS_LIMIT if a step may take a
+ * particle beyond them. */
+static enum status check_integers(const struct sample *sample)
+{
+    const struct particles *p = &sample->particles;
+    const double holds = sample->verlet.skin / sample->dt;
+    for (int c = 0; p->single && c < p->dimension; c++)
+        for (int i = 0; i < p->count; i++)
+            if (!(fabs(p->v[c][i]) <= holds))
+                return status_fail(STATUS_LIMIT,
+                                   "step %lld (t = %g s): precision \"mixed\" holds steps of at most the skin of the "
+                                   "lists, %.2g m; particle %d moves %.2g m in one. neighbor.skin_ratio = 0 (tuned) or "
+                                   "a smaller dt_s would help, and so would precision \"double\"",
+                                   (long long)sample->step, sample->time_s, sample->verlet.skin, p->id[i],
+                                   fabs(p->v[c][i]) * sample->dt);
+    return STATUS_OK;
+}
+
 static enum status renew_lists(struct sample *sample)
 {
     struct verlet_list *verlet = &sample->verlet;
     particles_export_positions(&sample->particles);
     TRY(check_inside(sample));
+    TRY(check_integers(sample));
     verlet_list_tune(verlet, &sample->particles, sample->walls, sample->n_walls, sample->step);
     sample->pairs.search_max = verlet_list_search_max(verlet, sample->step);
     verlet->built_step = sample->step;
@@ -114,6 +133,8 @@ enum status sample_step_open(struct sample *sample)
         force_before[w] = sample->walls[w].force;
         x_before[w] = sample->walls[w].x;
     }
+    if (sample->stage_step == 0)
+        TRY(check_integers(sample));
     TRY(renew_order(sample));
     sample->step++;
     sample->stage_step++;

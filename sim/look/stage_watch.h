@@ -1,0 +1,31 @@
+/* What is looked at while a stage runs, on a schedule of its own in steps: what is recorded changes nothing here. */
+#ifndef SHAKEDOWN_SIM_LOOK_STAGE_WATCH_H
+#define SHAKEDOWN_SIM_LOOK_STAGE_WATCH_H
+
+#include "sim/look/overlaps.h"
+#include "sim/sample/sample.h"
+
+enum { STAGE_WATCH_STEPS = 256 };
+
+/* All doubles, so that a checkpoint keeps it as a row of them. */
+struct stage_watch {
+    double looks;
+    double overlap_ratio, overlap_step; /* the largest, and where it was */
+    double fastest_ratio;               /* largest overlaps_of_fastest */
+    double inertial_sum, inertial_max;  /* inertial number */
+    double error_looks;                 /* in the second half of the stage, by its longest duration: */
+    double error_sum[3], error_max[3];  /* stress control: |stress - target| over the target */
+    double target_pa[3];                /* the last one */
+    double pulled_on_nothing[3];        /* looks in a row at a wall that pulls and touches nothing */
+    double overlap_noted, fastest_noted;
+};
+
+/* Forgets all: a stage begins. */
+void stage_watch_start(struct stage_watch *watch);
+
+/* A look at the sample as it is; its last step need not be complete. STATUS_UNSTABLE, with what was seen, when the
+ * model does not hold any more: an overlap beyond limits.overlap_ratio, a wall that pulls on nothing, a box that has
+ * grown beyond all of it. */
+enum status stage_watch_look(struct stage_watch *watch, struct sample *sample) MUST_USE;
+
+#endif

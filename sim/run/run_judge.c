@@ -1,0 +1,213 @@
+#include "sim/run/run_judge.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim/look/at_rest.h"
+#include "sim/look/measure.h"
+#include "sim/look/step_limit.h"
+#include "sim/sample/step_completion.h"
+
+/* Contacts shorter than this many steps are coarse; a sample is at rest below these figures; overlaps beyond this part
+ * of the smaller radius bend the law of spheres; the ledger is to close to this part of the energy that passed. */
+static const double COARSE_STEPS = 6, REST_ENERGY = 1e-3, REST_FORCE = 1e-2, WIDE_OVERLAP = 0.05, OPEN_LEDGER = 0.01;
+/* An overlap of both radii is a particle that comes out on the other side; half of it is near enough. */
+static const double PASSING = 1;
+
+enum { TEXT_MAX = 400 };
+
+static const char *stage_name(const struct run *run)
+{
+    return run->sample->stage < 0 ? "" : run_stage(run)->name;
+}
+
+static enum status add_note(struct run *run, enum note_severity severity, const char *format, ...) PRINTF_LIKE(3, 4);
+
+static enum status add_note(struct run *run, enum note_severity severity, const char *format, ...)
+{
+    char text[TEXT_MAX];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (run->options->replay)
+        return STATUS_OK;
+    if (severity == NOTE_DOUBTFUL && run->judge.doubts++ == 0)
+        snprintf(run->judge.first_doubt, sizeof run->judge.first_doubt, "%s%s%s", stage_name(run),
+                 run->sample->stage < 0 ? "" : ": ", text);
+    if (run->options->progress)
+        fprintf(stderr, "sim: note: %s%s%s\n", stage_name(run), run->sample->stage < 0 ? "" : ": ", text);
+    return run->stream ? records_send_note(&run->records, run->sample, severity, text) : STATUS_OK;
+}
+
+static enum status note_step(struct run *run, const struct scene_stage *stage)
+{
+    const struct step_limit limit = step_limit_of(run->sample, stage);
+    if (stage->dt_s > limit.wall_stable_s)
+        TRY(add_note(run, NOTE_PLAIN,
+                     "%s: dt_s = %.3g s is too long for the wall in %c once a whole layer of particles touches it: up "
+                     "to %.2g s would hold, or a heavier or more damped wall",
+                     stage->name, stage->dt_s, limit.wall_axis, limit.wall_stable_s));
+    if (stage->dt_s * COARSE_STEPS <= limit.contact_s)
+        return STATUS_OK;
+    return add_note(
+        run, NOTE_PLAIN,
+        "%s: dt_s = %.3g s is %.2g of the shortest contact (t_c = %.3g s, radius %.3g m): coarse; the ledger "
+        "residual says what it costs",
+        stage->name, stage->dt_s, stage->dt_s / limit.contact_s, limit.contact_s, limit.radius_m);
+}
+
+enum status run_judge_before(struct run *run)
+{
+    if (run->options->replay)
+        return STATUS_OK;
+    TRY(step_limit_check(run->sample));
+    for (int s = 0; s < run->scene->n_stages && !run->resumed; s++)
+        TRY(note_step(run, &run->scene->stage[s]));
+    return STATUS_OK;
+}
+
+enum status run_judge_stage_start(struct run *run)
+{
+    stage_watch_start(&run->judge.watch);
+    if (run->sample->stage == 0)
+        return STATUS_OK; /* of a packing that was just made there is nothing to say */
+    const struct rest_figures rest = rest_figures_of(sample_complete(run->sample));
+    if (rest.contacts == 0)
+        return add_note(run, NOTE_PLAIN, "starts with nothing touching");
+    const bool at_rest = rest.energy_ratio < REST_ENERGY && rest.unbalanced_force < REST_FORCE;
+    return add_note(run, NOTE_PLAIN, "starts %s: unbalanced force %.2g of the mean contact force, E_kin/E_el %.2g",
+                    at_rest ? "at rest" : "NOT at rest", rest.unbalanced_force, rest.energy_ratio);
+}
+
+static enum status note_extremes(struct run *run)
+{
+    struct run_judge *judge = &run->judge;
+    if (judge->watch.overlap_ratio > WIDE_OVERLAP && !(judge->watch.overlap_noted > 0)) {
+        judge->watch.overlap_noted = 1;
+        TRY(add_note(run, NOTE_PLAIN, "overlaps beyond %.0f %% of the smaller radius: %.2g at step %.0f",
+                     100 * WIDE_OVERLAP, judge->watch.overlap_ratio, judge->watch.overlap_step));
+    }
+    if (judge->watch.fastest_ratio > PASSING && !(judge->watch.fastest_noted > 0)) {
+        judge->watch.fastest_noted = 1;
+        TRY(add_note(run, NOTE_DOUBTFUL,
+                     "particles so fast that a contact would overlap by %.2g of the radius: they may pass through each "
+                     "other; slower ones or stiffer contacts would help",
+                     judge->watch.fastest_ratio));
+    }
+    return STATUS_OK;
+}
+
+enum status run_judge_step(struct run *run)
+{
+    if (run->sample->stage_step % STAGE_WATCH_STEPS != 0 || run->options->replay)
+        return STATUS_OK;
+    TRY(stage_watch_look(&run->judge.watch, run->sample));
+    return note_extremes(run);
+}
+
+/* "; stress x 500 N/m^2 within 0.1 % (mean), 0.4 % (largest)" of each axis. */
+static void stress_text(const struct run *run, char *text, size_t size)
+{
+    const struct stage_watch *watch = &run->judge.watch;
+    size_t used = 0;
+    text[0] = '\0';
+    for (int c = 0; c < run->sample->particles.dimension && watch->error_looks > 0; c++) {
+        const enum axis name = sample_axis(run->sample, c);
+        if (run_stage(run)->axis[name].mode != WALL_STRESS || watch->target_pa[c] == 0 || used >= size)
+            continue;
+        used += (size_t)snprintf(text + used, size - used,
+                                 "; stress %c off its target by %.2g %% (mean), %.2g %% (largest)", "xyz"[name],
+                                 100 * watch -> error_sum[c] / watch -> error_looks, 100 * watch -> error_max[c]);
+    }
+}
+
+/* Why a stage ended. */
+static const char *end_text(const struct run *run)
+{
+    const struct scene_stage *stage = run_stage(run);
+    const bool conditions = stage->until_energy_ratio > 0 || stage->until_stress_error > 0;
+    const bool whole = (double)run->sample->stage_step * stage->dt_s >= stage->duration_s - 1.5 * stage->dt_s;
+    if (!whole)
+        return "by its condition";
+    return conditions ? "by its limit in time, NOT by its condition" : "by its length";
+}
+
+/* A loss below zero is energy out of nothing. */
+static enum status judge_losses(struct run *run, double turnover_j)
+{
+    const struct ledger *ledger = &run->sample->ledger;
+    const struct {
+        const char *name;
+        double loss_j;
+    } terms[] = {{"hysteresis", ledger->contacts.hysteresis},
+                 {"viscous normal forces", ledger->contacts.viscous_normal},
+                 {"viscous tangential forces", ledger->contacts.viscous_tangential},
+                 {"friction", ledger->contacts.friction},
+                 {"background damping", ledger->background}};
+    for (size_t k = 0; k < sizeof terms / sizeof *terms; k++)
+        if (terms[k].loss_j < -OPEN_LEDGER * turnover_j)
+            TRY(add_note(run, NOTE_DOUBTFUL, "%s gained %.2g J, %.2g %% of the energy that passed: dt_s is too long",
+                         terms[k].name, -terms[k].loss_j, -100 * terms[k].loss_j / turnover_j));
+    return STATUS_OK;
+}
+
+static enum status judge_ledger(struct run *run, const struct measurement *m)
+{
+    const double turnover_j = measure_turnover_j(run->sample, m);
+    if (!(turnover_j > 0))
+        return STATUS_OK;
+    const double ratio = fabs(m->residual_j) / turnover_j;
+    if (!(ratio <= OPEN_LEDGER))
+        TRY(add_note(run, NOTE_DOUBTFUL,
+                     "the energy ledger does not close: residual %.3g J, %.2g %% of the energy that passed; a smaller "
+                     "dt_s would help",
+                     m->residual_j, 100 * ratio));
+    return judge_losses(run, turnover_j);
+}
+
+enum status run_judge_stage_end(struct run *run)
+{
+    struct measurement m;
+    char stress[TEXT_MAX / 2];
+    if (run->options->replay)
+        return STATUS_OK;
+    const struct complete_sample whole = sample_complete(run->sample);
+    TRY(stage_watch_look(&run->judge.watch, run->sample));
+    TRY(note_extremes(run));
+    TRY(measure(whole, &m));
+    stress_text(run, stress, sizeof stress);
+    const struct stage_watch *watch = &run->judge.watch;
+    const double turnover_j = measure_turnover_j(run->sample, &m);
+    TRY(add_note(
+        run, NOTE_PLAIN,
+        "ended %s after %g s%s; inertial number %.2g (mean), %.2g (largest); largest overlap %.2g of the radius; "
+        "ledger residual %.2g of the energy that passed",
+        end_text(run), (double)run->sample->stage_step * run->sample->dt, stress, watch->inertial_sum / watch->looks,
+        watch->inertial_max, watch->overlap_ratio, turnover_j > 0 ? m.residual_j / turnover_j : 0));
+    return judge_ledger(run, &m);
+}
+
+enum status run_judge_note_failure(struct run *run, enum status status)
+{
+    char message[TEXT_MAX];
+    snprintf(message, sizeof message, "%s", status_message());
+    if (status == STATUS_OK || run->options->replay)
+        return STATUS_OK;
+    return add_note(run, NOTE_FAILED, "%s", message);
+}
+
+enum status run_judge_verdict(const struct run *run, enum status status)
+{
+    const struct run_judge *judge = &run->judge;
+    if (run->options->replay || status != STATUS_OK)
+        return status;
+    if (judge->doubts > 0)
+        return status_fail(STATUS_DOUBTFUL, "verdict: doubtful (%lld %s): %s", (long long)judge->doubts,
+                           judge->doubts == 1 ? "reason" : "reasons", judge->first_doubt);
+    if (run->options->progress)
+        fprintf(stderr, "sim: verdict: sound\n");
+    return STATUS_OK;
+}
