@@ -226,9 +226,15 @@ static enum status read_value(const config_setting_t *setting, const struct key 
     case KEY_INT:
         return read_int(setting, key, where, value);
     case KEY_FLOAT:
+        if (key->choices && config_setting_type(setting) == CONFIG_TYPE_STRING &&
+            strcmp(config_setting_get_string(setting), key->choices[0]) == 0) {
+            *(double *)value = 0; /* the reader of the table puts the number there */
+            return STATUS_OK;
+        }
         if (!is_number(setting))
-            return config_fail(setting, where, "must be a number%s%s", key->unit ? " in " : "",
-                               key->unit ? key->unit : "");
+            return config_fail(setting, where, "must be a number%s%s%s%s%s", key->unit ? " in " : "",
+                               key->unit ? key->unit : "", key->choices ? ", or \"" : "",
+                               key->choices ? key->choices[0] : "", key->choices ? "\"" : "");
         *(double *)value = number_of(setting);
         return check_range(setting, key, where, *(double *)value);
     case KEY_STRING:
@@ -541,6 +547,8 @@ static void print_allowed(FILE *out, const struct key *key)
         fprintf(out, "text");
         break;
     default:
+        if (key->type == KEY_FLOAT && key->choices)
+            fprintf(out, "\"%s\" or ", key->choices[0]);
         fprintf(out, "%s%s",
                 key->type == KEY_FLOATS ? "list; each "
                 : key->type == KEY_BAND ? "number or [low, high]; "

@@ -44,7 +44,7 @@ struct key {
     const char *unit;
     double min, max;            /* of numbers; for lists, of each element */
     const char *preset;         /* the default as the scene file would say it; NULL: must be given */
-    const char *const *choices; /* KEY_CHOICE: NULL-ended */
+    const char *const *choices; /* KEY_CHOICE: NULL-ended; KEY_FLOAT: the first may stand for a number, read as 0 */
     const struct key *group;    /* KEY_GROUP: its table */
     const char *doc;
 };

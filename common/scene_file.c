@@ -9,6 +9,7 @@
 #include "common/config_literals.h"
 #include "common/scene_check.h"
 #include "common/scene_keys.h"
+#include "common/time_step.h"
 
 static enum status stages_list_check(const config_setting_t *list, const config_setting_t *parent, const char *where)
 {
@@ -38,6 +39,23 @@ static enum status stages_reserve(struct scene *scene, int64_t count, const conf
     return STATUS_OK;
 }
 
+/* "auto", or not given. */
+static enum status time_step_set(const struct scene *scene, struct scene_stage *stage, const config_setting_t *at,
+                                 const char *where)
+{
+    const double shortest_s = 1e-12, longest_s = 1;
+    if (stage->dt_s > 0)
+        return STATUS_OK;
+    const double step_s = time_step_auto_s(&scene->sample, &stage->material);
+    if (!(step_s >= shortest_s))
+        return config_fail(at, where,
+                           "dt_s = \"auto\" is %g s for this material and these particles; allowed: a number "
+                           "from %g s",
+                           step_s, shortest_s);
+    stage->dt_s = step_s < longest_s ? step_s : longest_s;
+    return STATUS_OK;
+}
+
 /* The next stage, for which there is room. */
 static enum status stage_read(struct scene *scene, const config_setting_t *root, const config_setting_t *setting,
                               const char *where)
@@ -48,6 +66,7 @@ static enum status stage_read(struct scene *scene, const config_setting_t *root,
     TRY(config_require(setting, scene_stage_keys, where));
     stage->name_length = (int)strlen(stage->name);
     TRY(scene_check_material(scene, stage, setting, where));
+    TRY(time_step_set(scene, stage, setting, where));
     TRY(scene_check_walls(scene, stage, root, setting, where));
     scene_stage_complete(stage);
     TRY(scene_check_stage(stage, setting, where));

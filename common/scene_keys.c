@@ -20,6 +20,7 @@ static const char *const scheme_names[] = {"hold",      "jacobian",    "pipeline
                                            "impedance", "compensated", NULL};
 static const char *const precision_names[] = {"double", "mixed", NULL};
 static const char *const strain_names[] = {"engineering", "logarithmic", NULL};
+static const char *const auto_names[] = {"auto", NULL};
 static const char *const walls_names[] = {"sampled", "full", NULL};
 
 static const struct key material_keys[] = {
@@ -148,7 +149,12 @@ static const struct key limits_keys[] = {{"overlap_ratio", KEY_FLOAT, OF(scene_l
 const struct key scene_stage_keys[] = {
     {"name", KEY_STRING, OF(scene_stage, name), NULL, 0, 0, NULL, NULL, NULL,
      "name of the stage, its own: its checkpoint is checkpoint-NAME.h5"},
-    {"dt_s", KEY_FLOAT, OF(scene_stage, dt_s), "s", 1e-12, 1, NULL, NULL, NULL, "time step"},
+    {"dt_s", KEY_FLOAT, OF(scene_stage, dt_s), "s", 1e-12, 1, "auto", auto_names, NULL,
+     "time step; \"auto\": a twentieth of the contact time pi sqrt(m/(2 k)) of two particles of the mean mass, at most "
+     "a "
+     "seventh of that of the smallest ones and a third of what their dashpots bear (docs/verdict.md); k the stiffest "
+     "of "
+     "the material. What contacts do not bear is refused"},
     {"duration_s", KEY_FLOAT, OF(scene_stage, duration_s), "s", 0, INFINITY, "0", NULL, NULL,
      "length of the stage; with a condition, the limit in time; 0: as long as until_cycles, or as its courses, ramps "
      "and "

@@ -5,12 +5,14 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "common/config_literals.h"
 #include "common/scene_file.h"
+#include "common/time_step.h"
 
 static const char head[] =
     "dimension = 2;\n"
@@ -69,6 +71,29 @@ static void numbers_are_taken_exactly(void **unused)
     dispose(scene);
 }
 
+/* Radius 1 mm, 2000 kg/m^3, k = 1e5 N/m: m = 8.378e-6 kg, t_c = pi sqrt(m/(2 k)) = 2.0333e-5 s, a twentieth
+ * is 1.01665e-6 s. Uniform radii of 0.5 to 1.5 mm: the mean mass is 1.047e-5 kg, a twentieth 1.1366e-6 s; the smallest
+ * one 1.047e-6 kg, a seventh 1.0269e-6 s, which is less. gamma = 10 kg/s bears about 1/lambda, lambda = 1.5 gamma (1/m
+ * + 1/<m>) = 1.576e7 /s, a third of it 2.115e-8 s. */
+static void a_time_step_follows_from_the_scene(void **unused)
+{
+    static const char *const given[] = {"dt_s = \"auto\"; ", ""};
+    struct scene_sample radii = {.radius_min_m = 0.5e-3, .radius_max_m = 1.5e-3, .density_kg_per_m3 = 2000};
+    struct scene_material material = {.kn_n_per_m = 1e5};
+    (void)unused;
+    for (int k = 0; k < 2; k++) {
+        char text[256];
+        snprintf(text, sizeof text, "stages = ( { name = \"a\"; %sduration_s = 1e-3; } );", given[k]);
+        struct scene *scene = with_head(text);
+        assert_true(fabs(scene->stage[0].dt_s - 1.01665e-6) < 1e-10);
+        dispose(scene);
+    }
+    assert_true(fabs(time_step_auto_s(&radii, &material) - 1.0269e-6) < 1e-10);
+    material.gamma_n_kg_per_s = 10;
+    assert_true(fabs(time_step_auto_s(&radii, &material) - 2.115e-8) < 2e-11);
+    assert_true(time_step_auto_s(&radii, &(struct scene_material){0}) == 0);
+}
+
 static void groups_are_repeated(void **unused)
 {
     static const char *const names[] = {"start", "up.1", "down.1", "up.2", "down.2", "up.3", "down.3", "end"};
@@ -102,6 +127,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_are_taken_exactly),
+        cmocka_unit_test(a_time_step_follows_from_the_scene),
         cmocka_unit_test(groups_are_repeated),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -75,7 +75,7 @@ run 'pulled apart' 10 pulled-apart
 number_within 'the box is' 1 2.1
 texts=('until_stress_error is a fraction of the target, which is 0 in walls.x')
 run 'zero target' 3 zero-target
-texts=('unload: ended by its limit in time, NOT by its condition')
+texts=('unload: ended by its limit in time, with no condition met')
 run 'limit in time' 0 zero-target --set stages.1.walls.x.pressure_pa=400.0 --set stages.1.until_energy_ratio=1e-40
 
 texts=('test: starts NOT at rest')

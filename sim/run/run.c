@@ -104,7 +104,7 @@ static enum status loop(struct run *run)
         bool changes = command->finished || command->stage != run->sample->stage;
         if (changes && run->sample->stage >= 0) {
             TRY(run_record_stage_end(run));
-            TRY(run_judge_stage_end(run));
+            TRY(run_judge_stage_end(run, command->ended));
             TRY(run_checkpoint(run, true));
         }
         if (changes)

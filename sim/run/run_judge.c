@@ -124,17 +124,6 @@ static void stress_text(const struct run *run, char *text, size_t size)
     }
 }
 
-/* Why a stage ended. */
-static const char *end_text(const struct run *run)
-{
-    const struct scene_stage *stage = run_stage(run);
-    const bool conditions = stage->until_energy_ratio > 0 || stage->until_stress_error > 0;
-    const bool whole = (double)run->sample->stage_step * stage->dt_s >= stage->duration_s - 1.5 * stage->dt_s;
-    if (!whole)
-        return "by its condition";
-    return conditions ? "by its limit in time, NOT by its condition" : "by its length";
-}
-
 /* A loss below zero is energy out of nothing. */
 static enum status judge_losses(struct run *run, double turnover_j)
 {
@@ -168,7 +157,7 @@ static enum status judge_ledger(struct run *run, const struct measurement *m)
     return judge_losses(run, turnover_j);
 }
 
-enum status run_judge_stage_end(struct run *run)
+enum status run_judge_stage_end(struct run *run, int ended)
 {
     struct measurement m;
     char stress[TEXT_MAX / 2];
@@ -183,10 +172,11 @@ enum status run_judge_stage_end(struct run *run)
     const double turnover_j = measure_turnover_j(run->sample, &m);
     TRY(add_note(
         run, NOTE_PLAIN,
-        "ended %s after %g s%s; inertial number %.2g (mean), %.2g (largest); largest overlap %.2g of the radius; "
+        "ended by %s after %g s%s; inertial number %.2g (mean), %.2g (largest); largest overlap %.2g of the radius; "
         "ledger residual %.2g of the energy that passed",
-        end_text(run), (double)run->sample->stage_step * run->sample->dt, stress, watch->inertial_sum / watch->looks,
-        watch->inertial_max, watch->overlap_ratio, turnover_j > 0 ? m.residual_j / turnover_j : 0));
+        stage_end_text(ended), (double)run->sample->stage_step * run->sample->dt, stress,
+        watch->inertial_sum / watch->looks, watch->inertial_max, watch->overlap_ratio,
+        turnover_j > 0 ? m.residual_j / turnover_j : 0));
     return judge_ledger(run, &m);
 }
 

@@ -7,10 +7,10 @@
 /* Before the first step: what the sample does not bear is refused (STATUS_CONFIG), what is coarse is noted. */
 enum status run_judge_before(struct run *run) MUST_USE;
 
-/* When a stage has begun, after each step, and when one has ended, with the state complete. */
+/* When a stage has begun, after each step, and when one has ended, with the state complete; ended: enum stage_end. */
 enum status run_judge_stage_start(struct run *run) MUST_USE;
 enum status run_judge_step(struct run *run) MUST_USE;
-enum status run_judge_stage_end(struct run *run) MUST_USE;
+enum status run_judge_stage_end(struct run *run, int ended) MUST_USE;
 
 /* At the end, however the run came to it: the last note, if it failed, and the verdict on stderr. Returns `status`, or
  * STATUS_DOUBTFUL for a run that ended well but has notes that make it so. */

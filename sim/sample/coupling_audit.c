@@ -136,8 +136,10 @@ static double driven_m_per_s(const struct sample *sample, int c)
 {
     const struct scene_axis *axis = &sample->scene->stage[sample->stage].axis[sample_axis(sample, c)];
     const double length = sample->stage_position_m[2 * c + 1] - sample->stage_position_m[2 * c];
-    const double largest_pa =
-        fmax(fmax(fabs(axis->pressure_pa), fabs(axis->pressure_end_pa)), fabs(axis->pressure_pa + axis->amplitude_pa));
+    double largest_pa = fmax(fabs(axis->pressure_pa), fabs(axis->pressure_end_pa));
+    largest_pa = fmax(largest_pa, fabs(axis->pressure_pa) + fabs(axis->amplitude_pa));
+    for (int k = 0; k < axis->pressures_pa.count; k++)
+        largest_pa = fmax(largest_pa, fabs(axis->pressures_pa.value[k]));
     double force_n = largest_pa;
     for (int b = 0; b < sample->particles.dimension; b++)
         force_n *= b == c ? 1 : sample_box_length_m(sample, b);

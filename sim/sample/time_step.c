@@ -71,7 +71,7 @@ static enum status check_inside(const struct sample *sample)
             return status_fail(
                 STATUS_UNSTABLE,
                 "step %lld (t = %g s): particle %d left the box in %c (at %g m, walls at %g and %g m); a "
-                "smaller dt_s or exchange interval, or a heavier wall, would help",
+                "smaller dt_s or exchange interval, less pressure, or a heavier wall, would help",
                 step, sample->time_s, particles->id[i], axis, x[i], lo, hi);
         }
     }
