@@ -50,3 +50,7 @@ add_test(NAME verdict COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_verdict.sh $<TARGET
 set_tests_properties(verdict PROPERTIES LABELS physics TIMEOUT 120)
 add_test(NAME odd_scenes COMMAND bench_odd_scenes $<TARGET_FILE:sim> ${CMAKE_CURRENT_BINARY_DIR}/odd 25 7 60)
 set_tests_properties(odd_scenes PROPERTIES LABELS physics TIMEOUT 300)
+add_executable(test_judge ${CMAKE_CURRENT_LIST_DIR}/test_judge.c)
+target_link_libraries(test_judge PRIVATE sim_fixture)
+add_test(NAME judge COMMAND test_judge)
+set_tests_properties(judge PROPERTIES LABELS physics TIMEOUT 60)
