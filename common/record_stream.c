@@ -6,6 +6,7 @@
 
 #include "common/coupling.h"
 #include "common/message.h"
+#include "common/record_hash.h"
 #include "common/signals.h"
 
 /* At most this much unacknowledged on the wire: below the default receive buffer of a socket. */
@@ -56,6 +57,8 @@ struct record_stream {
     size_t in_flight_bytes, waiting_bytes;
     int64_t waiting, repeated;
     int64_t total[RECORD_CHANNELS];         /* published */
+    int64_t hash[RECORD_CHANNELS];          /* of these */
+    bool repeats_start;                     /* RUN_INFO and PARTICLES are said again and counted already */
     int64_t acked[RECORD_CHANNELS];         /* the recorder's next_seq */
     struct wall_copy wall[WALLS_WINDOW][2]; /* by seq, modulo the window: state, command */
     int64_t walls_end;                      /* exchanges below are complete */
@@ -259,6 +262,8 @@ enum status record_stream_create(struct record_stream **stream, struct bus *bus,
     created->run_id = run_id;
     created->timeout_s = timeout_s;
     created->end = &created->first;
+    for (int c = 0; c < RECORD_CHANNELS; c++)
+        created->hash[c] = RECORD_HASH_OF_NONE;
     enum status status = bus_subscribe_for_a_while(bus, CHANNEL_RECORD_ACK, on_ack, created, &created->subscription);
     if (status != STATUS_OK) {
         record_stream_free(created);
@@ -281,8 +286,11 @@ void record_stream_free(struct record_stream *stream)
     free(stream);
 }
 
-void record_stream_resume(struct record_stream *stream, const int64_t total[RECORD_CHANNELS], int64_t exchanges)
+void record_stream_resume(struct record_stream *stream, const int64_t total[RECORD_CHANNELS],
+                          const int64_t hash[RECORD_CHANNELS], int64_t exchanges)
 {
+    stream->repeats_start = total[RECORD_RUN_INFO] == 0;
+    memcpy(stream->hash, hash, sizeof stream->hash);
     memcpy(stream->total, total, sizeof stream->total);
     memcpy(stream->acked, total, sizeof stream->acked);
     stream->walls_end = stream->acked_walls = exchanges;
@@ -296,6 +304,11 @@ int64_t record_stream_next_seq(const struct record_stream *stream, enum record_c
 int64_t record_stream_total(const struct record_stream *stream, enum record_channel channel)
 {
     return stream->total[channel];
+}
+
+int64_t record_stream_hash(const struct record_stream *stream, enum record_channel channel)
+{
+    return stream->hash[channel];
 }
 
 int64_t record_stream_repeated(const struct record_stream *stream)
@@ -533,17 +546,24 @@ static enum status waiting_reduce(struct record_stream *stream, size_t bytes)
     return STATUS_OK;
 }
 
+static void count(struct record_stream *stream, enum record_channel channel, const void *data, size_t size)
+{
+    stream->total[channel]++;
+    if (!stream->repeats_start || channel > RECORD_PARTICLES)
+        stream->hash[channel] = record_hash_add(stream->hash[channel], data, size);
+}
+
 enum status record_stream_publish(struct record_stream *stream, enum record_channel channel, const void *data,
                                   size_t size)
 {
     TRY(record_check(stream, channel, data, size));
     if (stream->bus->is_log) {
         TRY(bus_publish(stream->bus, record_channel_name[channel], data, size));
-        stream->total[channel]++;
+        count(stream, channel, data, size);
         return STATUS_OK;
     }
     TRY(record_append(stream, channel, data, size));
-    stream->total[channel]++;
+    count(stream, channel, data, size);
     return waiting_reduce(stream, WAITING_BYTES_MAX);
 }
 

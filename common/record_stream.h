@@ -14,9 +14,11 @@ enum status record_stream_create(struct record_stream **stream, struct bus *bus,
                                  double timeout_s) MUST_USE;
 void record_stream_free(struct record_stream *stream);
 
-/* Goes on after `total` [RECORD_CHANNELS] records and `exchanges` of the walls, all of them acknowledged; before the
- * first record. */
-void record_stream_resume(struct record_stream *stream, const int64_t total[RECORD_CHANNELS], int64_t exchanges);
+/* Goes on after `total` [RECORD_CHANNELS] records with their `hash` and `exchanges` of the walls, all of them
+ * acknowledged; before the first record. Total 0 of RUN_INFO: it and PARTICLES are said again, which changes no hash.
+ */
+void record_stream_resume(struct record_stream *stream, const int64_t total[RECORD_CHANNELS],
+                          const int64_t hash[RECORD_CHANNELS], int64_t exchanges);
 
 /* The seq the next record on this channel must carry. */
 int64_t record_stream_next_seq(const struct record_stream *stream, enum record_channel channel);
@@ -41,6 +43,7 @@ void record_stream_keep_wall(struct record_stream *stream, bool command, int64_t
 enum status record_stream_flush(struct record_stream *stream) MUST_USE;
 
 int64_t record_stream_total(const struct record_stream *stream, enum record_channel channel); /* records published */
+int64_t record_stream_hash(const struct record_stream *stream, enum record_channel channel);  /* of these */
 int64_t record_stream_repeated(const struct record_stream *stream);                           /* records sent again */
 int64_t record_stream_waiting(const struct record_stream *stream);                            /* not yet acknowledged */
 

@@ -38,7 +38,16 @@ enum status convert_log(struct recording *recording, const char *path)
     if (status == STATUS_OK)
         report_damage(&reader, path);
     event_reader_close(&reader);
-    return status == STATUS_OK ? recording_finish(recording) : status;
+    if (status == STATUS_OK)
+        return recording_finish(recording);
+    if (status != STATUS_INCOMPLETE)
+        return status;
+    char reason[512]; /* records that are not those that were sent: what came before them is kept */
+    snprintf(reason, sizeof reason, "%s", status_message());
+    enum status finished = recording_finish(recording);
+    if (finished != STATUS_OK && finished != STATUS_INCOMPLETE)
+        return finished;
+    return status_fail(STATUS_INCOMPLETE, "%s: %s", path, reason);
 }
 
 enum status convert_into(const char *path, const char *directory, struct run_counts *counts)

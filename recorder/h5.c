@@ -182,18 +182,76 @@ enum status h5_series_close(struct h5_series *series)
     return release(STATUS_OK, id, H5Dclose, "run.h5");
 }
 
-enum status h5_vector_write(hid_t file, const char *path, hid_t type, hsize_t n, const void *data, const char *unit)
+/* Properties of a dataset that shows one row of another in the same file. */
+static bool row_link_properties(hid_t properties, const struct h5_series *series, const char *series_path, hsize_t row,
+                                hid_t space)
+{
+    const hsize_t dims[H5_RANK_MAX] = {series->rows, series->dims[1], series->dims[2]};
+    const hsize_t start[H5_RANK_MAX] = {row}, count[H5_RANK_MAX] = {1, series->dims[1], series->dims[2]};
+    hid_t source = H5Screate_simple(H5_RANK_MAX, dims, NULL);
+    bool ok = source >= 0 && H5Sselect_hyperslab(source, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+              H5Pset_virtual(properties, space, ".", series_path, source) >= 0;
+    return source < 0 || (H5Sclose(source) >= 0 && ok);
+}
+
+enum status h5_series_row_link(hid_t file, const struct h5_series *series, const char *series_path, hsize_t row,
+                               const char *path)
+{
+    hid_t id = H5I_INVALID_HID, properties = H5Pcreate(H5P_DATASET_CREATE);
+    hid_t space = H5Screate_simple(H5_RANK_MAX - 1, series->dims + 1, NULL);
+    bool ok = properties >= 0 && space >= 0 && row_link_properties(properties, series, series_path, row, space);
+    enum status status = check(ok, "create", path);
+    if (status == STATUS_OK)
+        status = dataset_create(file, path, series->type, space, properties, &id);
+    status = release(status, id, H5Dclose, path);
+    status = release(status, space, H5Sclose, path);
+    return release(status, properties, H5Pclose, path);
+}
+
+/* Creates and writes a dataset, or writes over the one that is there. */
+static enum status whole_write(hid_t file, const char *path, hid_t type, hid_t space, const void *data)
 {
     hid_t id = H5I_INVALID_HID;
-    hid_t space = H5Screate_simple(1, &n, NULL);
-    enum status status = check(space >= 0, "create", path);
-    if (status == STATUS_OK)
+    enum status status = STATUS_OK;
+    if (H5Oexists_by_name(file, path, H5P_DEFAULT) > 0)
+        status = check((id = H5Dopen2(file, path, H5P_DEFAULT)) >= 0, "open", path);
+    else
         status = dataset_create(file, path, type, space, H5P_DEFAULT, &id);
     if (status == STATUS_OK)
         status = check(H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, "write", path);
-    status = release(status, id, H5Dclose, path);
-    TRY(release(status, space, H5Sclose, path));
+    return release(status, id, H5Dclose, path);
+}
+
+static enum status vector_write(hid_t file, const char *path, hid_t type, hsize_t n, const void *data)
+{
+    hid_t space = n == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &n, NULL);
+    enum status status = check(space >= 0, "create", path);
+    if (status == STATUS_OK)
+        status = whole_write(file, path, type, space, data);
+    return release(status, space, H5Sclose, path);
+}
+
+enum status h5_vector_write(hid_t file, const char *path, hid_t type, hsize_t n, const void *data, const char *unit)
+{
+    TRY(vector_write(file, path, type, n, data));
     return h5_attribute_text(file, path, "unit_si", unit);
+}
+
+/* A type of texts of `size` bytes, the zero included; to be closed also on failure. */
+static enum status text_type(size_t size, H5T_cset_t letters, const char *name, hid_t *type)
+{
+    *type = H5Tcopy(H5T_C_S1);
+    bool ok = *type >= 0 && H5Tset_size(*type, size) >= 0 && H5Tset_cset(*type, letters) >= 0;
+    return check(ok, "create", name);
+}
+
+enum status h5_text_write(hid_t file, const char *path, const char *text)
+{
+    hid_t type;
+    enum status status = text_type(strlen(text) + 1, H5T_CSET_ASCII, path, &type);
+    if (status == STATUS_OK)
+        status = vector_write(file, path, type, 0, text);
+    return release(status, type, H5Tclose, path);
 }
 
 static enum status write_attribute(hid_t file, const char *path, const char *name, hid_t type, hid_t space,
@@ -218,18 +276,10 @@ enum status h5_attribute_numbers(hid_t file, const char *path, const char *name,
     return release(status, space, H5Sclose, name);
 }
 
-/* A type of texts of `size` bytes, the zero included; to be closed also on failure. */
-static enum status text_type(size_t size, const char *name, hid_t *type)
-{
-    *type = H5Tcopy(H5T_C_S1);
-    bool ok = *type >= 0 && H5Tset_size(*type, size) >= 0 && H5Tset_cset(*type, H5T_CSET_UTF8) >= 0;
-    return check(ok, "create the attribute", name);
-}
-
 enum status h5_attribute_text(hid_t file, const char *path, const char *name, const char *text)
 {
     hid_t type;
-    enum status status = text_type(strlen(text) + 1, name, &type);
+    enum status status = text_type(strlen(text) + 1, H5T_CSET_UTF8, name, &type);
     if (status == STATUS_OK)
         status = h5_attribute_numbers(file, path, name, type, 0, text);
     return release(status, type, H5Tclose, name);
@@ -246,7 +296,7 @@ enum status h5_attribute_texts(hid_t file, const char *path, const char *name, c
         return status_fail(STATUS_NO_MEMORY, "no memory for the attribute %s", name);
     for (size_t k = 0; k < n; k++)
         memcpy(packed + k * size, texts[k], strlen(texts[k]));
-    enum status status = text_type(size, name, &type);
+    enum status status = text_type(size, H5T_CSET_UTF8, name, &type);
     if (status == STATUS_OK)
         status = h5_attribute_numbers(file, path, name, type, n, packed);
     free(packed);

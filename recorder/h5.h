@@ -54,9 +54,17 @@ enum status h5_series_create(hid_t file, const char *path, hid_t type, int rank,
 enum status h5_series_append(struct h5_series *series, hsize_t rows, const void *data) MUST_USE;
 enum status h5_series_close(struct h5_series *series) MUST_USE;
 
-/* Writes a dataset of fixed shape [n]. */
+/* Gives row `row` of a series of rank 3, already written, a path of its own (a virtual dataset, no copy), for readers
+ * that know no slices. */
+enum status h5_series_row_link(hid_t file, const struct h5_series *series, const char *series_path, hsize_t row,
+                               const char *path) MUST_USE;
+
+/* Writes a dataset of fixed shape [n] (n = 0: a scalar), over the one that is there. */
 enum status h5_vector_write(hid_t file, const char *path, hid_t type, hsize_t n, const void *data,
                             const char *unit) MUST_USE;
+
+/* The same for one text. Its bytes are UTF-8, its type says ASCII: Octave refuses the other. */
+enum status h5_text_write(hid_t file, const char *path, const char *text) MUST_USE;
 
 /* Creates or overwrites an attribute of the object at `path`: [n] numbers (n = 0: a scalar), a text, [n] texts.
  * Texts are of fixed length, ended by a zero, UTF-8. */

@@ -244,7 +244,7 @@ enum status live_record(struct recording *recording, const struct live_options *
         .recording = recording, .timeout_s = options->timeout_s, .stop_at_s = INFINITY, .parent = getppid()};
     TRY(bus_open(&live.bus, options->lcm_url));
     enum status status = record(&live);
-    if (status == STATUS_IO || status == STATUS_NO_MEMORY) {
+    if (live.status != STATUS_OK || status == STATUS_IO || status == STATUS_NO_MEMORY) {
         char reason[1024];
         snprintf(reason, sizeof reason, "%s", status_message());
         live.status = status;

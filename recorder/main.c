@@ -1,4 +1,5 @@
 /* recorder: writes what a run says to run.h5, live from the bus or from an LCM event log. */
+#include <limits.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -8,10 +9,13 @@
 #include "common/signals.h"
 #include "recorder/convert.h"
 #include "recorder/live.h"
+#include "recorder/verify.h"
 
 static const char USAGE[] =
     "usage: recorder --run-id N --out DIR [--lcm URL] [--timeout SECONDS]   records a run from the bus\n"
     "       recorder --from run.lcm --out DIR [--replace]                   makes run.h5 from a log\n"
+    "       recorder --verify DIR    looks through the log and run.h5 of a run: 0 complete, 9 incomplete, 6 damaged\n"
+    "       recorder --repair DIR    makes DIR/run.h5 from DIR/run.lcm again\n"
     "  --resume   goes on with DIR/run.lcm of a run that goes on from a checkpoint\n"
     "  --replace  DIR/run.h5 may be there already\n"
     "Writes DIR/run.lcm (the log), DIR/run.h5 (H5MD 1.1) and DIR/run.xdmf. The log of a run that went well is "
@@ -25,7 +29,7 @@ static const char USAGE[] =
 
 struct arguments {
     struct command_line line;
-    const char *out, *from, *timeout;
+    const char *out, *from, *timeout, *verify, *repair;
     bool resume, replace;
     double timeout_s;
 };
@@ -47,7 +51,8 @@ static enum status arguments_read(struct arguments *arguments, int argc, char **
 {
     const struct command_line_option own[] = {
         {"out", &arguments->out, NULL},         {"from", &arguments->from, NULL},
-        {"timeout", &arguments->timeout, NULL}, {"resume", NULL, &arguments->resume},
+        {"timeout", &arguments->timeout, NULL}, {"verify", &arguments->verify, NULL},
+        {"repair", &arguments->repair, NULL},   {"resume", NULL, &arguments->resume},
         {"replace", NULL, &arguments->replace}, {NULL, NULL, NULL}};
     struct command_line *line = &arguments->line;
     TRY(command_line_parse(line, argc, argv, own));
@@ -55,6 +60,8 @@ static enum status arguments_read(struct arguments *arguments, int argc, char **
         return STATUS_OK;
     if (line->n_positional > 0 || line->n_overrides > 0)
         return status_fail(STATUS_USAGE, "the recorder takes no scene: RUN_INFO carries it (see --help)");
+    if (arguments->verify || arguments->repair)
+        return STATUS_OK;
     if (!arguments->out)
         return status_fail(STATUS_USAGE, "--out DIR is missing (see --help)");
     if (!arguments->from && !line->run_id_given)
@@ -102,6 +109,26 @@ static enum status record(const struct arguments *arguments)
     return status;
 }
 
+static enum status repair(const char *directory)
+{
+    char log[PATH_MAX];
+    struct run_counts counts = {0};
+    if (snprintf(log, sizeof log, "%s/run.lcm", directory) >= (int)sizeof log)
+        return status_fail(STATUS_USAGE, "the path %s is too long", directory);
+    enum status status = convert_into(log, directory, &counts);
+    if (status == STATUS_OK || status == STATUS_INCOMPLETE)
+        printf("recorder: %s/run.h5 made from the log: %lld samples, %lld frames\n", directory,
+               (long long)counts.samples, (long long)counts.frames);
+    return status;
+}
+
+static enum status work(const struct arguments *arguments)
+{
+    if (arguments->verify)
+        return verify_run(arguments->verify, stdout);
+    return arguments->repair ? repair(arguments->repair) : record(arguments);
+}
+
 int main(int argc, char **argv)
 {
     struct arguments arguments = {0};
@@ -119,6 +146,6 @@ int main(int argc, char **argv)
         return 0;
     }
     if (status == STATUS_OK)
-        status = record(&arguments);
+        status = work(&arguments);
     return status_report("recorder", status);
 }

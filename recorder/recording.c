@@ -10,6 +10,7 @@
 #include "common/coupling.h"
 #include "common/event_log.h"
 #include "common/message.h"
+#include "common/record_hash.h"
 #include "common/scene_file.h"
 #include "recorder/backlog.h"
 #include "recorder/early.h"
@@ -27,6 +28,7 @@ struct recording {
     struct run_facts facts;
     bool wants_walls;
     int64_t next_seq[RECORD_CHANNELS];
+    int64_t hash[RECORD_CHANNELS];
     int64_t last_step;
     double last_time_s;
     struct particle_set particles;
@@ -48,6 +50,8 @@ enum status recording_create(struct recording **result, const struct recording_o
     struct recording *recording = *result = calloc(1, sizeof *recording);
     if (!recording)
         return status_fail(STATUS_NO_MEMORY, "no memory for the recording");
+    for (int c = 0; c < RECORD_CHANNELS; c++)
+        recording->hash[c] = RECORD_HASH_OF_NONE;
     recording->any_run = options->any_run;
     recording->run_id = options->run_id;
     recording->from_log = options->from_log;
@@ -387,6 +391,18 @@ static enum status keep_end(struct recording *recording, const shakedown_end_t *
     return STATUS_OK;
 }
 
+/* Numbers prove that all records are here, hashes that they are those that were sent: a foreign or changed one that
+ * passed all other checks is found here. */
+static enum status hashes_check(const struct recording *recording, const int64_t hash[RECORD_CHANNELS])
+{
+    for (int c = 0; c < RECORD_END; c++) {
+        if (hash[c] != recording->hash[c])
+            return status_fail(STATUS_INCOMPLETE, "the records on %s are not those that were sent (their hash differs)",
+                               record_channel_name[c]);
+    }
+    return STATUS_OK;
+}
+
 /* Whether what a record builds on is here. The channels are numbered each for itself, so that after a loss a frame can
  * come before the particles. END is taken when all it counts is, and is then the last record of an event log too. */
 static enum status is_ready(struct recording *recording, int kind, const union message *message, bool *ready)
@@ -396,9 +412,15 @@ static enum status is_ready(struct recording *recording, int kind, const union m
         *ready = particle_set_is_complete(&recording->particles);
     if (*ready && kind == RECORD_CHECKPOINT)
         *ready = everything_before_is_here(recording, &message->checkpoint);
+    if (*ready && kind == RECORD_CHECKPOINT)
+        TRY(hashes_check(recording, message->checkpoint.hash));
     if (*ready && kind == RECORD_END) {
         TRY(keep_end(recording, &message->end));
         *ready = recording->end_matches;
+        recording->end_matches = false; /* until the hashes are compared */
+        if (*ready)
+            TRY(hashes_check(recording, message->end.hash));
+        recording->end_matches = *ready;
     }
     return STATUS_OK;
 }
@@ -429,9 +451,11 @@ static enum status take_next(struct recording *recording, int kind, const union 
         return STATUS_OK;
     }
     TRY(status);
-    bool repeated = recording->resume && (kind == RECORD_RUN_INFO || kind == RECORD_PARTICLES);
+    bool repeated = recording->resume && !recording->replaying && (kind == RECORD_RUN_INFO || kind == RECORD_PARTICLES);
     if (!repeated) /* by a run that goes on: the log has it */
         TRY(log_message(recording, kind, data, size));
+    if (!repeated)
+        recording->hash[kind] = record_hash_add(recording->hash[kind], data, size);
     recording->sync_wanted |= kind >= RECORD_CHECKPOINT;
     recording->next_seq[kind]++;
     recording->last_step = message->header.step;

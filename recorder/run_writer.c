@@ -39,7 +39,7 @@ enum series_id {
 };
 
 enum series_type { TYPE_I8, TYPE_I32, TYPE_I64, TYPE_F64 };
-enum series_shape { PER_FRAME, PER_PARTICLE /* [F][N][3] */, PER_CONTACT };
+enum series_shape { PER_FRAME, PER_FRAME_MATRIX /* [F][3][3] */, PER_PARTICLE /* [F][N][3] */, PER_CONTACT };
 
 static const struct {
     const char *path;
@@ -52,7 +52,7 @@ static const struct {
     [SERIES_STEP] = {TRAJECTORY "/position/step", "1", TYPE_I64, PER_FRAME, 0, false},
     [SERIES_TIME] = {TRAJECTORY "/position/time", "s", TYPE_F64, PER_FRAME, 0, false},
     [SERIES_STAGE] = {"/frames/stage", "1", TYPE_I32, PER_FRAME, 0, false},
-    [SERIES_EDGES] = {TRAJECTORY "/box/edges/value", "m", TYPE_F64, PER_FRAME, 3, false},
+    [SERIES_EDGES] = {TRAJECTORY "/box/edges/value", "m", TYPE_F64, PER_FRAME_MATRIX, 3, false},
     [SERIES_ORIGIN] = {"/frames/box_lo", "m", TYPE_F64, PER_FRAME, 3, false},
     [SERIES_POSITION] = {TRAJECTORY "/position/value", "m", TYPE_F64, PER_PARTICLE, 3, false},
     [SERIES_VELOCITY] = {TRAJECTORY "/velocity/value", "m/s", TYPE_F64, PER_PARTICLE, 3, false},
@@ -113,6 +113,11 @@ static enum status series_create(struct run_writer *writer, enum series_id id)
     int rank = width > 0 ? 2 : 1;
     if (series_table[id].shape == PER_CONTACT)
         layout.chunk[0] = CONTACT_BLOCK;
+    if (series_table[id].shape == PER_FRAME_MATRIX) {
+        rank = 3;
+        row[1] = 3;
+        layout.chunk[2] = 3;
+    }
     if (series_table[id].shape == PER_PARTICLE) {
         rank = 3;
         row[0] = n;
@@ -182,9 +187,21 @@ static enum status parameters_write(hid_t file, const shakedown_run_info_t *info
     return STATUS_OK;
 }
 
+/* What a user must know also as datasets, for readers without attributes (Octave). */
 static enum status complete_write(hid_t file, int32_t complete)
 {
+    TRY(h5_vector_write(file, "/run/complete", H5T_NATIVE_INT32, 0, &complete, "1"));
     return h5_attribute_numbers(file, "/", "complete", H5T_NATIVE_INT32, 0, &complete);
+}
+
+static enum status run_create(hid_t file, const shakedown_run_info_t *info)
+{
+    const int32_t unknown = -1;
+    TRY(h5_vector_write(file, "/run/status", H5T_NATIVE_INT32, 0, &unknown, "1"));
+    TRY(h5_vector_write(file, "/run/seed", H5T_NATIVE_INT64, 0, &info->seed, "1"));
+    TRY(h5_text_write(file, "/run/name", info->name));
+    TRY(h5_text_write(file, "/run/scene_text", info->scene_text));
+    return h5_text_write(file, "/run/effective_config", info->effective_config);
 }
 
 /* H5MD's observables: a group per field; step and time are those of the stage, and have a second name in every group.
@@ -275,6 +292,7 @@ static enum status contents_create(struct run_writer *writer, const shakedown_ru
     TRY(h5md_create(writer->file));
     TRY(parameters_write(writer->file, info));
     TRY(complete_write(writer->file, 0));
+    TRY(run_create(writer->file, info));
     TRY(frames_create(writer));
     TRY(box_create(writer->file));
     TRY(samples_create(writer));
@@ -372,16 +390,36 @@ static enum status rows_append(struct run_writer *writer, const struct row *rows
     return STATUS_OK;
 }
 
+/* For ParaView, which reads no slices: the parts of the last frame under names of their own. */
+static enum status frame_link(struct run_writer *writer)
+{
+    static const struct {
+        enum series_id id;
+        const char *name;
+    } parts[] = {
+        {SERIES_POSITION, "position"}, {SERIES_VELOCITY, "velocity"}, {SERIES_ANGULAR_VELOCITY, "angular_velocity"}};
+    const hsize_t row = writer->series[SERIES_STEP].rows - 1;
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
+        char path[64];
+        const enum series_id id = parts[k].id;
+        if (writer->series[id].id < 0)
+            continue;
+        snprintf(path, sizeof path, "/xdmf/%llu/%s", (unsigned long long)row, parts[k].name);
+        TRY(h5_series_row_link(writer->file, &writer->series[id], series_table[id].path, row, path));
+    }
+    return STATUS_OK;
+}
+
 enum status run_writer_particle_frame(struct run_writer *writer, const struct particle_frame *frame)
 {
-    double lo_m[3], edges_m[3];
+    double lo_m[3], edges_m[3][3] = {{0}}; /* a triclinic box, as some readers take a vector of lengths for no box */
     for (int axis = 0; axis < 3; axis++) {
         lo_m[axis] = frame->box_lo_m[axis];
-        edges_m[axis] = frame->box_hi_m[axis] - frame->box_lo_m[axis];
+        edges_m[axis][axis] = frame->box_hi_m[axis] - frame->box_lo_m[axis];
     }
     if (writer->facts.dimension == 2) { /* one layer of discs seen as spheres */
         lo_m[1] = -writer->radius_max_m;
-        edges_m[1] = 2.0 * writer->radius_max_m;
+        edges_m[1][1] = 2.0 * writer->radius_max_m;
     }
     const int32_t stage = frame->stage;
     /* step last: a frame counts when its step is there */
@@ -394,7 +432,8 @@ enum status run_writer_particle_frame(struct run_writer *writer, const struct pa
                                {SERIES_TIME, &frame->place.time_s},
                                {SERIES_STEP, &frame->place.step},
                                {N_SERIES, NULL}};
-    return rows_append(writer, rows, 1);
+    TRY(rows_append(writer, rows, 1));
+    return frame_link(writer);
 }
 
 enum status run_writer_contact_frame(struct run_writer *writer, const struct contact_frame *frame)
@@ -445,6 +484,7 @@ static enum status end_write(hid_t file, const shakedown_end_t *end)
                    {"records_repeated", end->records_repeated}};
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         TRY(h5_attribute_numbers(file, "/", numbers[k].name, H5T_NATIVE_INT64, 0, &numbers[k].value));
+    TRY(h5_vector_write(file, "/run/status", H5T_NATIVE_INT32, 0, &status, "1"));
     TRY(h5_attribute_numbers(file, "/", "status", H5T_NATIVE_INT32, 0, &status));
     TRY(h5_attribute_numbers(file, "/", "stage_end", H5T_NATIVE_INT32, 0, &stage_end));
     TRY(h5_attribute_numbers(file, "/", "elapsed_s", H5T_NATIVE_DOUBLE, 0, &end->elapsed_s));

@@ -1,4 +1,4 @@
-/* run.xdmf: tells ParaView (its Xdmf 3 reader) where in run.h5 the particles are. */
+/* run.xdmf: tells ParaView (its Xdmf 3 reader and the one before) where in run.h5 the particles are. */
 #ifndef SHAKEDOWN_RECORDER_XDMF_H
 #define SHAKEDOWN_RECORDER_XDMF_H
 

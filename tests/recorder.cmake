@@ -27,6 +27,10 @@ add_test(NAME recorder_full
                  $<TARGET_FILE:sim> $<TARGET_FILE:wallctl> $<TARGET_FILE:recorder> ${PROJECT_SOURCE_DIR}/scenes/quick.cfg)
 set_tests_properties(recorder_full PROPERTIES LABELS fault TIMEOUT 120 SKIP_RETURN_CODE 125)
 
+add_test(NAME readers COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_readers.sh $<TARGET_FILE:sim> $<TARGET_FILE:recorder>
+                              ${PROJECT_SOURCE_DIR}/scenes/quick.cfg ${PROJECT_SOURCE_DIR}/docs/reading.md)
+set_tests_properties(readers PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 125)
+
 foreach(name recorder_fault recorder_live)
   set_property(TEST ${name} PROPERTY ENVIRONMENT
                "LSAN_OPTIONS=print_suppressions=0:suppressions=${CMAKE_CURRENT_SOURCE_DIR}/recorder_leaks.supp")

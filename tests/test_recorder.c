@@ -111,8 +111,8 @@ static void check_frames(hid_t file, const struct synthetic_options *options)
         assert_true(row[2] == synthetic_position(k / n, k % n, d - 1));
     }
     for (int f = 0; f < options->n_frames; f++) {
-        assert_true(edges[3 * f] == 2.0 && edges[3 * f + 2] == 4.0);
-        assert_true(fabs(edges[3 * f + 1] - (d == 3 ? 3.0 : thickness)) < 1e-15); /* one rounding of the sum */
+        assert_true(edges[9 * f] == 2.0 && edges[9 * f + 8] == 4.0 && edges[9 * f + 1] == 0.0);
+        assert_true(fabs(edges[9 * f + 4] - (d == 3 ? 3.0 : thickness)) < 1e-15); /* one rounding of the sum */
         assert_true(lo[3 * f] == -1.0 && lo[3 * f + 2] == -3.0);
     }
     free(position);
@@ -187,6 +187,12 @@ static void check_run(const struct bench *bench)
     else
         assert_int_equal(read_rows(file, "/walls/state/step"), -1);
     assert_true(read_attribute(file, "/", "complete") == 1.0);
+    double *complete = read_values(file, "/run/complete"), *seed = read_values(file, "/run/seed");
+    double *status = read_values(file, "/run/status");
+    assert_true(*complete == 1.0 && *seed == 7.0 && *status == 0.0);
+    free(complete);
+    free(seed);
+    free(status);
     assert_true(read_attribute(file, "/", "state_hash") == 0x1234);
     assert_true(read_attribute(file, "/parameters", "n_particles") == options->n_particles);
     assert_true(read_attribute(file, "/parameters", "run_id") == (double)options->run_id);
@@ -659,8 +665,8 @@ static const struct {
 } readers[] = {
     {"command -v h5ls", "h5ls -r %s/run.h5 | grep -q strain"},
     {"command -v h5dump", "h5dump -d /observables/strain/value %s/run.h5 | grep -q DATASPACE"},
-    {"python3 -c 'import h5py'",
-     "python3 -c 'import h5py,sys; h5py.File(sys.argv[1])[\"/observables/strain/value\"][:]' %s/run.h5"},
+    {"/usr/bin/python3 -c 'import h5py'",
+     "/usr/bin/python3 -c 'import h5py,sys; h5py.File(sys.argv[1])[\"/observables/strain/value\"][:]' %s/run.h5"},
 };
 
 static void run_readers(const char *directory)
@@ -760,7 +766,7 @@ static void test_xdmf_refers_to_what_is_there(void **state)
         references++;
     }
     assert_int_equal(times, synthetic_default.n_frames);
-    assert_int_equal(references, 5 * synthetic_default.n_frames); /* position, velocity, radius, mass, id */
+    assert_int_equal(references, 6 * synthetic_default.n_frames); /* position, velocity, radius, mass, id twice */
     assert_int_equal(fclose(xdmf), 0);
     assert_true(H5Fclose(file) >= 0);
     bench_close(&bench);

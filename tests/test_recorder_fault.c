@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "recorder/convert.h"
+#include "recorder/verify.h"
 #include "test_recorder_read.h"
 #include "test_recorder_synthetic.h"
 
@@ -97,6 +98,10 @@ static void check_repair(const struct synthetic_run *run, const char *directory,
     assert_int_equal(convert_into(log, directory, &counts), STATUS_INCOMPLETE);
     assert_true(counts.wall_states >= messages_before(run, MESSAGE_WALL_STATE, secured));
     check_after_kill(run, directory, secured);
+    FILE *words = fopen("/dev/null", "w");
+    assert_non_null(words);
+    assert_int_equal(verify_run(directory, words), STATUS_INCOMPLETE);
+    assert_int_equal(fclose(words), 0);
 }
 
 /* In a child: takes messages again and again, with all that goes with it, until it is killed. */

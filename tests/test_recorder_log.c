@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "recorder/convert.h"
+#include "recorder/verify.h"
 #include "test_recorder_read.h"
 #include "test_recorder_synthetic.h"
 
@@ -221,6 +222,66 @@ static void test_event_log(void **state)
     bench_close(&bench);
 }
 
+static enum status verify(const char *directory, char *said, size_t size)
+{
+    FILE *out = fmemopen(said, size, "w");
+    assert_non_null(out);
+    enum status status = verify_run(directory, out);
+    assert_int_equal(fclose(out), 0);
+    return status;
+}
+
+/* A whole run is complete; one changed bit of any place in its log or its data is found; so is a record that another
+ * sender has put in the place of ours. */
+static void test_verify(void **state)
+{
+    struct bench bench;
+    char said[4096], path[96];
+    struct synthetic_options options = synthetic_default;
+    uint64_t random = 8;
+    (void)state;
+    options.walls = true;
+    options.n_wall_states = 50;
+    bench_open(&bench, &options);
+    snprintf(path, sizeof path, "%s/run.lcm", bench.directory);
+    assert_int_equal(verify("no/such/folder", said, sizeof said), STATUS_IO);
+    assert_int_equal(rename(bench.log, path), 0);
+    assert_int_equal(verify(bench.directory, said, sizeof said), STATUS_INCOMPLETE); /* no run.h5 */
+    assert_int_equal(convert(path, bench.directory), STATUS_OK);
+    assert_int_equal(verify(bench.directory, said, sizeof said), STATUS_OK);
+    assert_non_null(strstr(said, "complete 1, 20 samples, 3 frames"));
+    for (int round = 0; round < 30; round++) {
+        const long size = file_size(path), place = (long)(synthetic_random(&random) % (uint64_t)size);
+        FILE *file = fopen(path, "r+b");
+        assert_non_null(file);
+        assert_int_equal(fseek(file, place, SEEK_SET), 0);
+        const int byte = fgetc(file);
+        assert_int_equal(fclose(file), 0);
+        overwrite(path, place, &(unsigned char){(unsigned char)(byte ^ 16)}, 1);
+        assert_int_not_equal(verify(bench.directory, said, sizeof said), STATUS_OK);
+        overwrite(path, place, &(unsigned char){(unsigned char)byte}, 1);
+    }
+    assert_int_equal(verify(bench.directory, said, sizeof said), STATUS_OK);
+    bench_close(&bench);
+}
+
+/* A sample of the right form, number and run that is not the one that was sent: END's hash does not match. */
+static void test_another_sample(void **state)
+{
+    struct bench bench;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    for (size_t k = 0; k < bench.run.count; k++) {
+        if (bench.run.messages[k].kind == RECORD_SAMPLE)
+            bench.run.messages[k].data[bench.run.messages[k].size - 1] ^= 1;
+    }
+    write_log(&bench.run, bench.log);
+    assert_int_equal(convert(bench.log, bench.directory), STATUS_INCOMPLETE);
+    assert_non_null(strstr(status_message(), "SAMPLE are not those that were sent"));
+    assert_int_equal(samples_in(bench.directory, false), synthetic_default.n_samples);
+    bench_close(&bench);
+}
+
 /* A log of the bus in which wall messages are missing, more than a sender ever has on its way: the file holds all that
  * is there, in order, and says that it is not complete. */
 static void test_log_without_some_walls(void **state)
@@ -288,6 +349,8 @@ int main(void)
         cmocka_unit_test(test_hostile_event_lengths),
         cmocka_unit_test(test_missing_and_empty_log),
         cmocka_unit_test(test_event_log),
+        cmocka_unit_test(test_verify),
+        cmocka_unit_test(test_another_sample),
         cmocka_unit_test(test_log_without_some_walls),
         cmocka_unit_test(test_throughput),
     };

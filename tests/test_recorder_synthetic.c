@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/record_hash.h"
+
 const struct synthetic_options synthetic_default = {
     .run_id = 42, .dimension = 2, .n_particles = 250, .n_samples = 20, .n_frames = 3};
 
@@ -103,7 +105,9 @@ void synthetic_add(struct synthetic_run *run, int kind, union message *message)
         run->capacity = run->capacity ? 2 * run->capacity : 64;
         run->messages = must(realloc(run->messages, run->capacity * sizeof *run->messages));
     }
-    run->messages[run->count++] = encode(kind, message);
+    const struct synthetic_message encoded = encode(kind, message);
+    run->hash[kind] = record_hash_add(run->hash[kind], encoded.data, encoded.size);
+    run->messages[run->count++] = encoded;
 }
 
 static void add_run_info(struct synthetic_run *run)
@@ -313,6 +317,7 @@ static void add_checkpoint(struct synthetic_run *run)
                                             .time_s = 0.9,
                                             .n_channels = RECORD_CHANNELS,
                                             .total = total,
+                                            .hash = run->hash,
                                             .n_frames = run->options.n_frames,
                                             .wall_states = run->next_seq[MESSAGE_WALL_STATE]}};
     synthetic_add(run, RECORD_CHECKPOINT, &message);
@@ -330,6 +335,7 @@ static void add_end(struct synthetic_run *run)
                                      .n_channels = RECORD_CHANNELS,
                                      .channel = (char **)(uintptr_t)record_channel_name,
                                      .total = total,
+                                     .hash = run->hash,
                                      .wall_states = run->next_seq[MESSAGE_WALL_STATE],
                                      .wall_commands = run->next_seq[MESSAGE_WALL_COMMAND]}};
     synthetic_add(run, RECORD_END, &message);
@@ -338,6 +344,8 @@ static void add_end(struct synthetic_run *run)
 void synthetic_create(struct synthetic_run *run, const struct synthetic_options *options)
 {
     *run = (struct synthetic_run){.options = *options};
+    for (int kind = 0; kind < MESSAGE_LOGGED_KINDS; kind++)
+        run->hash[kind] = RECORD_HASH_OF_NONE;
     int walls_per_sample = options->n_samples > 0 ? options->n_wall_states / options->n_samples : 0;
     int64_t state = 0;
     add_run_info(run);

@@ -31,6 +31,7 @@ struct synthetic_run {
     struct synthetic_message *messages;
     size_t count, capacity;
     int64_t next_seq[MESSAGE_LOGGED_KINDS];
+    int64_t hash[MESSAGE_LOGGED_KINDS];
 };
 
 enum { SYNTHETIC_CHUNK = 100 /* particles or contacts per chunk */ };

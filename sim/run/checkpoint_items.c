@@ -60,6 +60,7 @@ static const struct entry members[] = {
     PROGRESS(last_sample_step, I64),
     PROGRESS(last_frame_step, I64),
     VALUES(OF_PROGRESS, run_progress, record_total, I64, RECORD_CHANNELS),
+    VALUES(OF_PROGRESS, run_progress, record_hash, I64, RECORD_CHANNELS),
     PROGRESS(log_bytes, I64),
     PROGRESS(elapsed_s, F64),
     VALUES(OF_PROGRESS, run_progress, watch, F64, sizeof(struct stage_watch) / sizeof(double)),

@@ -115,11 +115,16 @@ enum status records_send_start(struct records *records, const struct sample *sam
 
 enum status records_send_checkpoint(struct records *records, const struct sample *sample, int64_t wall_states)
 {
-    int64_t total[RECORD_CHANNELS];
-    for (int c = 0; c < RECORD_CHANNELS; c++)
+    int64_t total[RECORD_CHANNELS], hash[RECORD_CHANNELS];
+    for (int c = 0; c < RECORD_CHANNELS; c++) {
         total[c] = record_stream_total(records->stream, c);
-    shakedown_checkpoint_t message = {
-        .n_channels = RECORD_CHANNELS, .total = total, .n_frames = records->n_frames, .wall_states = wall_states};
+        hash[c] = record_stream_hash(records->stream, c);
+    }
+    shakedown_checkpoint_t message = {.n_channels = RECORD_CHANNELS,
+                                      .total = total,
+                                      .hash = hash,
+                                      .n_frames = records->n_frames,
+                                      .wall_states = wall_states};
     SEND(records, sample, RECORD_CHECKPOINT, checkpoint_t, &message);
 }
 
@@ -352,9 +357,11 @@ enum status records_send_frame(struct records *records, struct complete_sample w
 enum status records_send_end(struct records *records, struct complete_sample whole, enum status why,
                              const struct run_totals *totals)
 {
-    int64_t total[RECORD_CHANNELS];
-    for (int c = 0; c < RECORD_CHANNELS; c++)
+    int64_t total[RECORD_CHANNELS], hash[RECORD_CHANNELS];
+    for (int c = 0; c < RECORD_CHANNELS; c++) {
         total[c] = record_stream_total(records->stream, c) + (c == RECORD_END);
+        hash[c] = record_stream_hash(records->stream, c);
+    }
     shakedown_end_t message = {
         .status = why,
         .reason = (char *)(why == STATUS_OK ? "" : status_message()),
@@ -364,6 +371,7 @@ enum status records_send_end(struct records *records, struct complete_sample who
         .n_channels = RECORD_CHANNELS,
         .channel = (char **)record_channel_name,
         .total = total,
+        .hash = hash,
         .wall_states = totals->wall_states,
         .wall_commands = totals->wall_commands,
         .commands_repeated = totals->commands_repeated,

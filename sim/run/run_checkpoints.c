@@ -34,8 +34,10 @@ static struct run_progress progress_of(const struct run *run, bool answered)
                                     .has_command = run->has_command};
     if (run->has_command)
         progress.command = run->command;
-    for (int c = 0; run->stream && c < RECORD_CHANNELS; c++)
+    for (int c = 0; run->stream && c < RECORD_CHANNELS; c++) {
         progress.record_total[c] = record_stream_total(run->stream, c);
+        progress.record_hash[c] = record_stream_hash(run->stream, c);
+    }
     return progress;
 }
 

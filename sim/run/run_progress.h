@@ -16,6 +16,7 @@ struct run_progress {
     int64_t frames;                       /* recorded */
     int64_t last_sample_step, last_frame_step;
     int64_t record_total[RECORD_CHANNELS]; /* records sent, all of them acknowledged */
+    int64_t record_hash[RECORD_CHANNELS];  /* of these (common/record_hash.h) */
     int64_t log_bytes;                     /* length of the event log that sim writes itself; 0: none */
     double elapsed_s;
     struct stage_watch watch;

@@ -109,7 +109,7 @@ static enum status resume_records(struct run *run)
     memcpy(total, run->before.record_total, sizeof total);
     if (!run->bus.is_log)
         total[RECORD_RUN_INFO] = total[RECORD_PARTICLES] = 0;
-    record_stream_resume(run->stream, total, run->before.exchanges);
+    record_stream_resume(run->stream, total, run->before.record_hash, run->before.exchanges);
     run->records.n_frames = (int32_t)run->before.frames;
     return STATUS_OK;
 }
