@@ -178,6 +178,7 @@ static void plan(struct work *work, bool quick)
         add_override(add(work, "skin", skins[k], work->at->usual_dt), "neighbor.skin_ratio=%s%.17g", "", skins[k]);
     add_intervals(work, "hold", quick);
     add_intervals(work, "jacobian", quick);
+    add_intervals(work, "compensated", quick);
 }
 
 /* The sample of `scene` once more as FOLDER/NAME, without springs if so wanted, and with one particle shifted. */
