@@ -495,27 +495,31 @@ static int conclude_unfinished(const struct supervisor *s)
     return s->interrupted ? status_exit_code(STATUS_INTERRUPTED) : s->failure;
 }
 
+/* Removes a file that may be there. */
+static void forget(const struct launch *launch, const char *name)
+{
+    char *path = run_folder_file(&launch->folder, name);
+    if (unlink(path) != 0 && errno != ENOENT)
+        say("warning: %s cannot be removed: %s", path, strerror(errno));
+    g_free(path);
+}
+
+/* An evaluation that broke off is done again by --resume. */
 static int evaluate(struct supervisor *s)
 {
     begin_part(s);
     start_or_fail(s, ROLE_ANALYZER, false);
     supervise(s);
-    if (s->interrupted) {
-        say("interrupted; the record is complete");
-        report_way_on(&s->launch->folder);
-        return status_exit_code(STATUS_INTERRUPTED);
-    }
     /* A result that failed its checks is there all the same. */
-    if (s->failure == 0 || s->failure == status_exit_code(STATUS_LIMIT))
+    const bool whole = s->failure == 0 || s->failure == status_exit_code(STATUS_LIMIT);
+    if (whole && !s->interrupted) {
         printf("results: %s\n", s->launch->folder.path);
-    return s->failure;
-}
-
-static void forget_network(const struct launch *launch)
-{
-    char *path = run_folder_file(&launch->folder, "namespace-pid");
-    (void)unlink(path); /* most runs have none */
-    g_free(path);
+        return s->failure;
+    }
+    forget(s->launch, "analysis.json");
+    say(s->interrupted ? "interrupted; the record is complete" : "the record is complete, its evaluation failed");
+    report_way_on(&s->launch->folder);
+    return s->interrupted ? status_exit_code(STATUS_INTERRUPTED) : s->failure;
 }
 
 /* SIGHUP stays ignored under nohup. */
@@ -568,7 +572,7 @@ int launch_run(const struct launch *launch, double stop_wait_s)
         simulate(&s);
     else if (run_folder_has(&launch->folder, "analysis.json"))
         return refuse_complete(&launch->folder);
-    forget_network(launch);
+    forget(launch, "namespace-pid");
     int code = s.interrupted || s.failure ? conclude_unfinished(&s) : evaluate(&s);
     for (int role = 0; role < ROLES; role++)
         g_free(s.child[role].log.path);
