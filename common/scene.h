@@ -15,7 +15,12 @@ enum { SCENE_STAGES_MAX = 1024, SCENE_AXES = 3, SCENE_WALLS_MAX = 6 };
 enum axis { AXIS_X, AXIS_Y, AXIS_Z };
 
 /* Normal laws of contacts: X(name, NAME). Scenes may have those of higher rank beside those of lower. */
-#define CONTACT_LAWS(X) X(linear, LINEAR) X(hysteretic, HYSTERETIC) X(hertz, HERTZ)
+#define CONTACT_LAWS(X)                                                                                                \
+    X(linear, LINEAR)                                                                                                  \
+    X(linear_restitution, LINEAR_RESTITUTION)                                                                          \
+    X(hysteretic, HYSTERETIC)                                                                                          \
+    X(elastoplastic, ELASTOPLASTIC)                                                                                    \
+    X(hertz, HERTZ)
 enum contact_law {
 #define CONTACT_LAW_ENUM(name, NAME) LAW_##NAME,
     CONTACT_LAWS(CONTACT_LAW_ENUM)
@@ -30,6 +35,8 @@ struct scene_material {
     double k1_n_per_m; /* hysteretic law [LH eq. 1.6] */
     double k2_n_per_m;
     double kc_n_per_m;
+    double kp_n_per_m; /* k2 that grows with the largest overlap (Luding 2008): its end, and where that is */
+    double phi_f;
     double youngs_modulus_pa; /* Hertz-Mindlin law */
     double poisson_ratio;
     double restitution;

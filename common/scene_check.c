@@ -30,26 +30,59 @@ static enum status hertz_check(const struct scene_material *m, const config_sett
     return friction_check(m, at, where);
 }
 
+static enum status linear_check(const struct scene_material *m, const config_setting_t *at, const char *where)
+{
+    if (!(m->kn_n_per_m > 0))
+        return config_fail(at, where, "law \"linear\" needs kn_n_per_m above 0");
+    if (m->k1_n_per_m > 0 || m->k2_n_per_m > 0 || m->kc_n_per_m > 0 || m->kp_n_per_m > 0)
+        return config_fail(at, where,
+                           "k1, k2, kc and kp belong to law \"hysteretic\"; law \"linear\" takes kn_n_per_m");
+    if (m->restitution < 1 && m->gamma_n_kg_per_s > 0)
+        return config_fail(at, where, "restitution and gamma_n_kg_per_s say the same: one of them");
+    return STATUS_OK;
+}
+
+static enum status hysteretic_check(const struct scene_material *m, const config_setting_t *at, const char *where)
+{
+    const bool grows = m->law == LAW_ELASTOPLASTIC;
+    const double k2 = grows ? m->kp_n_per_m : m->k2_n_per_m;
+    if (!(m->k1_n_per_m > 0 && k2 >= m->k1_n_per_m))
+        return config_fail(at, where, "law \"%s\" needs 0 < k1_n_per_m <= %s (here %g and %g)",
+                           grows ? "elastoplastic" : "hysteretic", grows ? "kp_n_per_m" : "k2_n_per_m", m->k1_n_per_m,
+                           k2);
+    if (grows && m->k2_n_per_m > 0)
+        return config_fail(at, where, "kp_n_per_m, to which k2 grows, and k2_n_per_m exclude each other");
+    if (grows && !(m->phi_f > 0))
+        return config_fail(at, where, "law \"elastoplastic\" needs phi_f above 0");
+    if (m->kn_n_per_m > 0)
+        return config_fail(at, where, "kn_n_per_m belongs to law \"linear\"; law \"hysteretic\" takes k1 and k2");
+    if (m->restitution < 1)
+        return config_fail(at, where,
+                           "restitution belongs to the laws \"linear\" and \"hertz\"; here the history loses");
+    return STATUS_OK;
+}
+
 /* Checks between the keys of one material; `where` is its path. */
 static enum status material_check(const struct scene_material *m, const config_setting_t *at, const char *where)
 {
+    const bool is_linear = m->law == LAW_LINEAR || m->law == LAW_LINEAR_RESTITUTION;
     if (m->law == LAW_HERTZ)
         return hertz_check(m, at, where);
-    if (m->youngs_modulus_pa > 0 || m->restitution < 1)
-        return config_fail(at, where, "youngs_modulus_pa, poisson_ratio and restitution belong to law \"hertz\"");
-    if (m->law == LAW_LINEAR && !(m->kn_n_per_m > 0))
-        return config_fail(at, where, "law \"linear\" needs kn_n_per_m above 0");
-    if (m->law == LAW_LINEAR && (m->k1_n_per_m > 0 || m->k2_n_per_m > 0 || m->kc_n_per_m > 0))
-        return config_fail(at, where, "k1, k2 and kc belong to law \"hysteretic\"; law \"linear\" takes kn_n_per_m");
-    if (m->law == LAW_HYSTERETIC && !(m->k1_n_per_m > 0 && m->k2_n_per_m >= m->k1_n_per_m))
-        return config_fail(at, where, "law \"hysteretic\" needs 0 < k1_n_per_m <= k2_n_per_m (here %g and %g)",
-                           m->k1_n_per_m, m->k2_n_per_m);
-    if (m->law == LAW_HYSTERETIC && m->kn_n_per_m > 0)
-        return config_fail(at, where, "kn_n_per_m belongs to law \"linear\"; law \"hysteretic\" takes k1 and k2");
+    if (m->youngs_modulus_pa > 0)
+        return config_fail(at, where, "youngs_modulus_pa and poisson_ratio belong to law \"hertz\"");
+    TRY(is_linear ? linear_check(m, at, where) : hysteretic_check(m, at, where));
     TRY(friction_check(m, at, where));
     if (m->mu_s > 0 && !(m->kt_n_per_m > 0))
         return config_fail(at, where, "friction (mu_s above 0) needs kt_n_per_m above 0");
     return STATUS_OK;
+}
+
+/* Contacts of a scene are of one model: the linear law is the hysteretic one with k1 = k2, or that with a restitution
+ * of 1; the hysteretic law is the elastoplastic one whose k2 does not grow. */
+static bool fit_in_one_scene(int a, int b)
+{
+    const int least = a < b ? a : b, most = a < b ? b : a;
+    return least == most || (most != LAW_HERTZ && least != LAW_LINEAR_RESTITUTION);
 }
 
 enum status scene_check_material(const struct scene *scene, const struct scene_stage *stage, const config_setting_t *at,
@@ -58,8 +91,10 @@ enum status scene_check_material(const struct scene *scene, const struct scene_s
     char path[128];
     snprintf(path, sizeof path, "%s.material", where);
     TRY(material_check(&stage->material, at, path));
-    if ((stage->material.law == LAW_HERTZ) != (scene->stage[0].material.law == LAW_HERTZ))
-        return config_fail(at, path, "law \"hertz\" is for all stages of a scene or for none");
+    for (const struct scene_stage *other = scene->stage; other != stage; other++)
+        if (!fit_in_one_scene(stage->material.law, other->material.law))
+            return config_fail(at, path, "law \"%s\" does not go with law \"%s\" of stage \"%s\"",
+                               scene_law_name(stage->material.law), scene_law_name(other->material.law), other->name);
     return STATUS_OK;
 }
 

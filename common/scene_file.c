@@ -65,6 +65,7 @@ static enum status stage_read(struct scene *scene, const config_setting_t *root,
     TRY(config_group_read(setting, scene_stage_keys, where, NULL, stage));
     TRY(config_require(setting, scene_stage_keys, where));
     stage->name_length = (int)strlen(stage->name);
+    scene_material_refine(&stage->material);
     TRY(scene_check_material(scene, stage, setting, where));
     TRY(time_step_set(scene, stage, setting, where));
     TRY(scene_check_walls(scene, stage, root, setting, where));

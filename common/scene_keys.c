@@ -25,7 +25,9 @@ static const char *const walls_names[] = {"sampled", "full", NULL};
 
 static const struct key material_keys[] = {
     {"law", KEY_CHOICE, OF(scene_material, law), NULL, 0, 0, "linear", law_names, NULL,
-     "contact law: linear spring [D eq. 1]; linear hysteretic with cohesion [LH eq. 1.6]; Hertz-Mindlin"},
+     "contact law: linear spring [D eq. 1], also with the restitution of every pair; linear hysteretic with cohesion "
+     "[LH eq. "
+     "1.6], also with a k2 that grows with the history (elastoplastic: Luding 2008); Hertz-Mindlin"},
     {"kn_n_per_m", KEY_FLOAT, OF(scene_material, kn_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
      "stiffness k of the linear law"},
     {"k1_n_per_m", KEY_FLOAT, OF(scene_material, k1_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
@@ -34,12 +36,18 @@ static const struct key material_keys[] = {
      "un- and reloading stiffness of the hysteretic law"},
     {"kc_n_per_m", KEY_FLOAT, OF(scene_material, kc_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
      "slope of the adhesion branch of the hysteretic law"},
+    {"kp_n_per_m", KEY_FLOAT, OF(scene_material, kp_n_per_m), "N/m", 0, INFINITY, "0", NULL, NULL,
+     "elastoplastic: what k2 grows to, from k1, with the largest overlap; law \"hysteretic\" with it is elastoplastic"},
+    {"phi_f", KEY_FLOAT, OF(scene_material, phi_f), NULL, 0, 10, "0.05", NULL, NULL,
+     "elastoplastic: k2 is kp from the overlap kp/(kp - k1) phi_f 2 a_i a_j/(a_i + a_j) on"},
     {"youngs_modulus_pa", KEY_FLOAT, OF(scene_material, youngs_modulus_pa), "N/m^2", 0, INFINITY, "0", NULL, NULL,
      "Young's modulus E of the particles, of the Hertz-Mindlin law"},
     {"poisson_ratio", KEY_FLOAT, OF(scene_material, poisson_ratio), NULL, 0, 0.5, "0", NULL, NULL,
      "Poisson's ratio of the particles, of the Hertz-Mindlin law"},
     {"restitution", KEY_FLOAT, OF(scene_material, restitution), NULL, 0.001, 1, "1", NULL, NULL,
-     "coefficient of restitution e, the same at any speed, of the Hertz-Mindlin law; 1: no dashpot"},
+     "coefficient of restitution e, the same for every pair and at any speed, of the laws linear and hertz; 1: no "
+     "dashpot "
+     "but gamma_n"},
     {"gamma_n_kg_per_s", KEY_FLOAT, OF(scene_material, gamma_n_kg_per_s), "kg/s", 0, INFINITY, "0", NULL, NULL,
      "normal dissipation gamma_0"},
     {"mu_s", KEY_FLOAT, OF(scene_material, mu_s), NULL, 0, 100, "0", NULL, NULL,
@@ -334,6 +342,14 @@ static double stage_length_s(const struct scene_stage *stage)
     for (int k = 0; k < SCENE_AXES; k++)
         length_s = fmax(length_s, axis_length_s(&stage->axis[k]));
     return length_s;
+}
+
+void scene_material_refine(struct scene_material *material)
+{
+    if (material->law == LAW_LINEAR && material->restitution < 1)
+        material->law = LAW_LINEAR_RESTITUTION;
+    if (material->law == LAW_HYSTERETIC && material->kp_n_per_m > 0)
+        material->law = LAW_ELASTOPLASTIC;
 }
 
 void scene_stage_complete(struct scene_stage *stage)

@@ -15,6 +15,9 @@ struct scene_stage;
 void scene_stage_start(const struct scene *scene, struct scene_stage *stage);
 void scene_stage_complete(struct scene_stage *stage);
 
+/* The law that keys of others refine: linear with a restitution, hysteretic with a k2 that grows. */
+void scene_material_refine(struct scene_material *material);
+
 extern const struct key scene_keys[];       /* struct scene */
 extern const struct key scene_stage_keys[]; /* struct scene_stage */
 extern const struct key scene_group_keys[]; /* struct scene_group */

@@ -39,10 +39,12 @@ add_test(NAME includes COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_includes.sh ${PROJ
 set_tests_properties(includes PROPERTIES LABELS unit TIMEOUT 60)
 
 # Contact laws beyond the two papers, against closed forms.
-add_executable(test_hertz ${CMAKE_CURRENT_LIST_DIR}/test_hertz.c)
-target_link_libraries(test_hertz PRIVATE sim_fixture)
-add_test(NAME hertz COMMAND test_hertz)
-set_tests_properties(hertz PROPERTIES LABELS physics TIMEOUT 120)
+foreach(law hertz elastoplastic)
+  add_executable(test_${law} ${CMAKE_CURRENT_LIST_DIR}/test_${law}.c)
+  target_link_libraries(test_${law} PRIVATE sim_fixture)
+  add_test(NAME ${law} COMMAND test_${law})
+  set_tests_properties(${law} PROPERTIES LABELS physics TIMEOUT 120)
+endforeach()
 
 # Scenes that look sound and are not.
 add_test(NAME verdict COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_verdict.sh $<TARGET_FILE:sim>

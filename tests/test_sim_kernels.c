@@ -65,6 +65,8 @@ static struct contact_law_constants random_law(struct random *random, struct mod
     struct scene_material m = {
         .law = model.law,
         .kn_n_per_m = k2,
+        .kp_n_per_m = k2,
+        .phi_f = 0.05,
         .youngs_modulus_pa = 1e8,
         .poisson_ratio = 0.25,
         .restitution = mu > 0.3 ? 0.9 : 0.3,
@@ -515,6 +517,35 @@ static void hysteretic_without_hysteresis_is_linear(void **state)
         }
 }
 
+/* A k2 that does not grow: the elastoplastic kernels give the hysteretic law's forces and histories, bit for bit. */
+static void elastoplastic_of_constant_k2_is_hysteretic(void **state)
+{
+    (void)state;
+    for (int m = 0; m < 8; m++)
+        for (uint64_t seed = 1; seed <= 100; seed++) {
+            struct model plain = {2 + m / 4, LAW_HYSTERETIC, m / 2 % 2, m % 2}, grows = plain;
+            grows.law = LAW_ELASTOPLASTIC;
+            struct bench a = bench_of(seed, CONTACTS_MAX, grows), b = bench_of(seed, CONTACTS_MAX, plain);
+            struct kernels ka = kernels_of(ISA_reference, grows), kb = kernels_of(ISA_reference, plain);
+            const double k2 = b.law.stiffness;
+            const struct scene_material same = {.law = LAW_HYSTERETIC,
+                                                .k1_n_per_m = k2 - b.law.normal[HYSTERETIC_K2_MINUS_K1],
+                                                .k2_n_per_m = k2,
+                                                .kc_n_per_m = b.law.normal[HYSTERETIC_KC],
+                                                .gamma_n_kg_per_s = b.law.gamma_n};
+            memcpy(a.law.normal, contact_law_constants_of(&same, LAW_ELASTOPLASTIC).normal, sizeof a.law.normal);
+            memcpy(b.law.normal, contact_law_constants_of(&same, LAW_HYSTERETIC).normal, sizeof b.law.normal);
+            (void)ka.drift(&a.p, 0, 0, INFINITY);
+            (void)kb.drift(&b.p, 0, 0, INFINITY);
+            ka.pair(&a.p, &a.pairs, 0, a.pairs.slots.n_spans, &a.law, a.dt, a.p.force, &a.losses);
+            kb.pair(&b.p, &b.pairs, 0, b.pairs.slots.n_spans, &b.law, b.dt, b.p.force, &b.losses);
+            forces_compare(&a.p, &b.p);
+            lists_compare(&a.pairs, &b.pairs);
+            bench_free(&a);
+            bench_free(&b);
+        }
+}
+
 /* Kick and drift in one pass: the bits of one after the other. */
 static void advance_is_kick_and_drift(void **state)
 {
@@ -610,6 +641,7 @@ int main(void)
         cmocka_unit_test(avx512_is_the_reference),
         cmocka_unit_test(mixed_forces_are_those_in_double),
         cmocka_unit_test(hysteretic_without_hysteresis_is_linear),
+        cmocka_unit_test(elastoplastic_of_constant_k2_is_hysteretic),
         cmocka_unit_test(advance_is_kick_and_drift),
         cmocka_unit_test(mixed_steps_are_those_in_double),
         cmocka_unit_test(isa_is_chosen_by_name),

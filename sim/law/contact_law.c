@@ -25,6 +25,7 @@ struct contact_law_constants contact_law_constants_of(const struct scene_materia
         .inv_kt = m->kt_n_per_m > 0 ? 1 / m->kt_n_per_m : 0,
         .gamma_t = m->gamma_t_kg_per_s,
     };
+    law.normal[NORMAL_CONSTANTS_MAX - 1] = m->gamma_n_kg_per_s;
     normal_functions[normal].constants(m, law.normal);
     contact_law_set_scale(&law, normal, 0, 0);
     return law;

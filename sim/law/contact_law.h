@@ -5,11 +5,11 @@
 
 #include "common/scene.h"
 
-enum { NORMAL_CONSTANTS_MAX = 8 };
+enum { NORMAL_CONSTANTS_MAX = 10 };
 
 /* One stage's law, ready for the kernels. */
 struct contact_law_constants {
-    double normal[NORMAL_CONSTANTS_MAX]; /* of the normal law, as its text has them */
+    double normal[NORMAL_CONSTANTS_MAX]; /* of the normal law, as its text has them; the last: gamma_n */
     double stiffness;                    /* upper bound of the normal stiffness [N/m]; contact_law_set_scale */
     double gamma_n;                      /* kg/s */
     double mu_s, mu_d;

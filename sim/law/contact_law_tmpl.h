@@ -83,8 +83,9 @@ LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
  * - normal_memory, normal_memory_at: its columns of the history (contact_history.h);
  * - normal_elastic (not if PER_PAIR): the elastic force at overlap delta >= 0 (0: none), with the history moved on;
  * - normal_friction_limit: the force that limits friction, from the overlap and the force `pressing` along n on j;
- * - normal_energy: what the elastic force at delta holds;
- * - if PER_PAIR: struct pair, pair_of: of each contact the elastic force and the damping gamma_n [kg/s];
+ * - normal_energy (not if PER_PAIR): what the elastic force at delta holds;
+ * - if PER_PAIR: struct pair, pair_of: of each contact the elastic force, the damping gamma_n [kg/s] and what it holds
+ * [J];
  * - normal_sums, normal_totals, normal_sums_close, normal_hysteresis_j: what it loses by itself. */
 #define NORMAL_LANES
 #include NORMAL_TEXT
@@ -288,8 +289,8 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
     u = real_where(active, u);
 #endif
 #if PER_PAIR
-    const struct NAME(pair) pair =
-        NAME(pair_of)(&law->normal, delta, real_load(memory->root_mass), real_load(memory->radius), &memory->normal);
+    const struct NAME(pair) pair = NAME(pair_of)(&law->normal, delta, real_load(memory->root_mass),
+                                                 real_load(memory->radius), &memory->normal, &sums->own);
     const real gamma_n = pair.gamma_n;
     sums->normal = real_fma(u * gamma_n, u, sums->normal);
     real elastic = pair.elastic;

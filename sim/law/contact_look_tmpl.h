@@ -13,13 +13,13 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
     const struct NAME(touch) touch = NAME(touch)(&law, at, &memory, &sums);
 #if PER_PAIR
     const struct NAME(pair) own =
-        NAME(pair_of)(&law.normal, at->delta, *memory.root_mass, *memory.radius, &memory.normal);
-    const double elastic = own.elastic;
+        NAME(pair_of)(&law.normal, at->delta, *memory.root_mass, *memory.radius, &memory.normal, &sums.own);
+    const double held = own.stored;
 #else
     const double elastic = NAME(normal_elastic)(&law.normal, at->delta, &memory.normal, &sums.own);
+    const double held = NAME(normal_energy)(&law.normal, at->delta, elastic);
 #endif
-    *f = (struct contact_forces){.normal = -touch.pressing,
-                                 .elastic_j = NAME(normal_energy)(&law.normal, at->delta, elastic)};
+    *f = (struct contact_forces){.normal = -touch.pressing, .elastic_j = held};
 #if FRICTIONAL
     struct NAME(law) undamped = law;
     undamped.lever -= law.gamma_t;

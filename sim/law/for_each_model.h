@@ -18,9 +18,21 @@
 #undef NORMAL_TEXT
 
 #undef PER_PAIR
+#define PER_PAIR    1
+#define NORMAL      linear_restitution
+#define NORMAL_TEXT "sim/law/normal_linear_restitution.h"
+#include "sim/law/for_each_dimension.h"
+#undef NORMAL
+#undef NORMAL_TEXT
+
+#define NORMAL      elastoplastic
+#define NORMAL_TEXT "sim/law/normal_elastoplastic.h"
+#include "sim/law/for_each_dimension.h"
+#undef NORMAL
+#undef NORMAL_TEXT
+
 #undef MINDLIN
 #undef TANGENTIAL_TEXT
-#define PER_PAIR        1
 #define MINDLIN         1
 #define TANGENTIAL_TEXT "sim/law/tangential_mindlin_tmpl.h"
 #define NORMAL          hertz

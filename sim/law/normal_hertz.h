@@ -39,7 +39,7 @@ static inline double normal_hertz_stiffness(const double *constant, double radiu
 
 #ifdef NORMAL_LANES
 struct NAME(normal_law) {
-    scalar e43, g8, damping, tangent_ratio; /* for lengths in units: forces in N, stiffness in N/m */
+    scalar e43, g8, damping, tangent_ratio, two_fifths_unit; /* for lengths in units: forces in N, stiffness in N/m */
 };
 
 LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, double unit)
@@ -47,7 +47,8 @@ LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant,
     return (struct NAME(normal_law)){.e43 = (scalar)(4.0 / 3 * constant[HERTZ_E] * unit * unit),
                                      .g8 = (scalar)(constant[HERTZ_8G] * unit),
                                      .damping = (scalar)(constant[HERTZ_DAMPING] * sqrt(unit)),
-                                     .tangent_ratio = (scalar)constant[HERTZ_TANGENT_RATIO]};
+                                     .tangent_ratio = (scalar)constant[HERTZ_TANGENT_RATIO],
+                                     .two_fifths_unit = (scalar)(0.4 * unit)};
 }
 
 struct NAME(normal_memory) {
@@ -65,7 +66,7 @@ struct NAME(normal_totals) {
 /* What differs from contact to contact. Open ones go on with the contact radius that they had, or with that of an
  * overlap of the whole radius, so that their lanes stay finite. */
 struct NAME(pair) {
-    real elastic, gamma_n;
+    real elastic, gamma_n, stored;
 #if FRICTIONAL
     real kt, inv_kt, gamma_t;
     real fall;  /* k_t over that of the step before, at most 1 */
@@ -83,10 +84,12 @@ LANES_INLINE real NAME(inverse_root)(real x)
 #endif
 }
 
-LANES_INLINE struct NAME(pair) NAME(pair_of)(const struct NAME(normal_law) * law, real delta, real root_mass,
-                                             real radius, const struct NAME(normal_memory) * memory)
+LANES_INLINE struct NAME(pair)
+    NAME(pair_of)(const struct NAME(normal_law) * law, real delta, real root_mass, real radius,
+                  const struct NAME(normal_memory) * memory, struct NAME(normal_sums) * sums)
 {
     struct NAME(pair) pair;
+    (void)sums;
     const real zero = real_all(0.0);
     const real_mask active = real_greater(delta, zero);
 #if FRICTIONAL
@@ -104,6 +107,7 @@ LANES_INLINE struct NAME(pair) NAME(pair_of)(const struct NAME(normal_law) * law
     ac = real_select(real_greater(moved * moved, band * band), ac, real_select(active, before, ac));
 #endif
     pair.elastic = real_all(law->e43) * (ac2 * inverse) * delta;
+    pair.stored = real_all(law->two_fifths_unit) * pair.elastic * delta;
     const real root_ac = ac * NAME(inverse_root)(ac);
     pair.gamma_n = real_all(law->damping) * root_mass * root_ac;
 #if FRICTIONAL
@@ -124,13 +128,6 @@ LANES_INLINE real NAME(normal_friction_limit)(const struct NAME(normal_law) * la
     (void)law;
     (void)delta;
     return -pressing;
-}
-
-/* Of a unit of 1 m. */
-LANES_INLINE real NAME(normal_energy)(const struct NAME(normal_law) * law, real delta, real elastic)
-{
-    (void)law;
-    return real_all(0.4) * elastic * delta;
 }
 
 LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(void *const *history, size_t slot)

@@ -1,0 +1,102 @@
+/* Linear spring whose dashpot gives every pair the restitution e asked for: gamma_n = gamma + 2 beta sqrt(k m_ij), beta
+ * = -ln e/sqrt(pi^2 + ln^2 e), from [D]: e = exp(-eta t_c). */
+#ifndef SHAKEDOWN_SIM_LAW_NORMAL_LINEAR_RESTITUTION_H
+#define SHAKEDOWN_SIM_LAW_NORMAL_LINEAR_RESTITUTION_H
+
+#include <math.h>
+
+#include "sim/law/contact_law.h"
+#include "sim/law/contact_model.h"
+
+enum { RESTITUTION_K, RESTITUTION_GAMMA, RESTITUTION_DAMPING };
+
+enum { normal_linear_restitution_traits = NORMAL_PER_PAIR };
+
+static inline void normal_linear_restitution_constants(const struct scene_material *material, double *constant)
+{
+    const double pi = 3.14159265358979323846, log_e = log(material->restitution);
+    constant[RESTITUTION_K] = material->kn_n_per_m;
+    constant[RESTITUTION_GAMMA] = material->gamma_n_kg_per_s;
+    constant[RESTITUTION_DAMPING] = -2 * log_e / sqrt(pi * pi + log_e * log_e) * sqrt(material->kn_n_per_m);
+}
+
+static inline double normal_linear_restitution_stiffness(const double *constant, double radius_m, double force_n)
+{
+    (void)radius_m;
+    (void)force_n;
+    return constant[RESTITUTION_K];
+}
+#endif
+
+#ifdef NORMAL_LANES
+struct NAME(normal_law) {
+    scalar k, gamma, damping, half_unit;
+};
+
+LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, double unit)
+{
+    return (struct NAME(normal_law)){.k = (scalar)(constant[RESTITUTION_K] * unit),
+                                     .gamma = (scalar)constant[RESTITUTION_GAMMA],
+                                     .damping = (scalar)constant[RESTITUTION_DAMPING],
+                                     .half_unit = (scalar)(0.5 * unit)};
+}
+
+struct NAME(normal_memory) {
+    char none;
+};
+
+struct NAME(normal_sums) {
+    char none;
+};
+
+struct NAME(normal_totals) {
+    char none;
+};
+
+struct NAME(pair) {
+    real elastic, gamma_n, stored;
+};
+
+LANES_INLINE struct NAME(pair)
+    NAME(pair_of)(const struct NAME(normal_law) * law, real delta, real root_mass, real radius,
+                  const struct NAME(normal_memory) * memory, struct NAME(normal_sums) * sums)
+{
+    struct NAME(pair) pair;
+    (void)radius;
+    (void)memory;
+    (void)sums;
+    pair.elastic = real_all(law->k) * delta;
+    pair.gamma_n = real_fma(real_all(law->damping), root_mass, real_all(law->gamma));
+    pair.stored = real_all(law->half_unit) * pair.elastic * delta;
+    return pair;
+}
+
+LANES_INLINE real NAME(normal_friction_limit)(const struct NAME(normal_law) * law, real delta, real pressing)
+{
+    (void)law;
+    (void)delta;
+    return -pressing;
+}
+
+LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(void *const *history, size_t slot)
+{
+    (void)history;
+    (void)slot;
+    return (struct NAME(normal_memory)){0};
+}
+
+LANES_INLINE void NAME(normal_sums_close)(struct NAME(normal_sums) * sums, struct NAME(normal_totals) * totals)
+{
+    (void)sums;
+    (void)totals;
+}
+
+LANES_INLINE double NAME(normal_hysteresis_j)(const struct NAME(normal_totals) * totals, const double *constant,
+                                              double unit)
+{
+    (void)totals;
+    (void)constant;
+    (void)unit;
+    return 0;
+}
+#endif
