@@ -11,6 +11,7 @@ struct scene_group {
 
 /* What a stage has before its own keys are read, and what follows from those once they are checked. */
 struct scene;
+struct scene_material;
 struct scene_stage;
 void scene_stage_start(const struct scene *scene, struct scene_stage *stage);
 void scene_stage_complete(struct scene_stage *stage);

@@ -37,8 +37,8 @@ static struct fixture pair_of(const char *law, double speed)
     return fixture_pair(&options, 0, speed);
 }
 
-/* Loaded along k1 delta, unloaded along k2(delta_max), e = sqrt(k1/k2), below delta_p and beyond it; k2 is reached at the
- * turning point, delta_max = v sqrt(m_ij/k1). */
+/* Loaded along k1 delta, unloaded along k2(delta_max), e = sqrt(k1/k2), below delta_p and beyond it; k2 is reached at
+ * the turning point, delta_max = v sqrt(m_ij/k1). */
 static void restitution_follows_the_history(void **state)
 {
     (void)state;
@@ -95,8 +95,8 @@ static void linear_restitution(void **state)
             if (unequal) {
                 struct particles *p = &f.sample->particles;
                 fixture_close(&f);
-                f = fixture_open(&(struct fixture_options){
-                    .dimension = 3, .dt_s = 1e-8, .material = material, .count = 2});
+                f = fixture_open(
+                    &(struct fixture_options){.dimension = 3, .dt_s = 1e-8, .material = material, .count = 2});
                 p = &f.sample->particles;
                 p->radius[1] = 3 * RADIUS;
                 for (int c = 0; c < 3; c++)

@@ -128,7 +128,8 @@ LANES_INLINE struct NAME(pair)
     struct NAME(pair) pair;
     const real growth = real_all(law->growth) / radius, before = real_load(memory->max_overlap);
     const real root = NAME(root_of)(delta * real_fma(real_all(law->root), radius, delta));
-    const real hq = real_all(0.5) * (delta + root), hl = real_all(law->branch) * delta;
+    const real hq = real_where(real_greater(growth, real_all(0.0)), real_all(0.5) * (delta + root)),
+               hl = real_all(law->branch) * delta;
     const real after = real_larger(delta, real_smaller(before, real_larger(hq, hl)));
     const struct NAME(normal_branch) now = NAME(normal_branch_at)(law, growth, after),
                                      then = NAME(normal_branch_at)(law, growth, before);
