@@ -67,18 +67,18 @@ static enum status frame_choose(hid_t file, int stage, int axis, double peak, en
 {
     hsize_t n = rows_of(file, "/frames/stage");
     int *stages = calloc(n + 1, sizeof *stages);
-    double *edges = calloc(3 * n + 1, sizeof *edges), nearest = INFINITY, first = NAN;
+    double *edges = calloc(9 * n + 1, sizeof *edges), nearest = INFINITY, first = NAN;
     enum status status = stages && edges ? STATUS_OK : no_memory();
     if (status == STATUS_OK)
         status = rows_read(file, "/frames/stage", H5T_NATIVE_INT, 0, n, 1, stages);
     if (status == STATUS_OK)
-        status = rows_read(file, "/particles/trajectory/box/edges/value", H5T_NATIVE_DOUBLE, 0, n, 3, edges);
+        status = rows_read(file, "/particles/trajectory/box/edges/value", H5T_NATIVE_DOUBLE, 0, n, 9, edges);
     for (hsize_t k = 0; status == STATUS_OK && k < n; k++) {
         if (stages[k] != stage)
             continue;
         if (isnan(first))
-            first = edges[3 * k + (hsize_t)axis];
-        double at = 1 - edges[3 * k + (hsize_t)axis] / first;
+            first = edges[9 * k + 4 * (hsize_t)axis];
+        double at = 1 - edges[9 * k + 4 * (hsize_t)axis] / first;
         double off = moment == MOMENT_START ? (double)k : moment == MOMENT_END ? -(double)k : fabs(at - peak);
         if (off < nearest) {
             nearest = off;
@@ -96,7 +96,7 @@ static enum status frame_choose(hid_t file, int stage, int axis, double peak, en
 static enum status particles_read(hid_t file, hsize_t k, struct frame *frame)
 {
     hsize_t n = rows_of(file, "/particles/trajectory/radius");
-    double edges[3];
+    double edges[9]; /* of the box, along the diagonal */
     frame->n_particles = (int)n;
     frame->position_m = calloc(3 * n + 1, sizeof *frame->position_m);
     frame->radius_m = calloc(n + 1, sizeof *frame->radius_m);
@@ -106,9 +106,9 @@ static enum status particles_read(hid_t file, hsize_t k, struct frame *frame)
     TRY(rows_read(file, "/particles/trajectory/radius", H5T_NATIVE_DOUBLE, 0, n, 1, frame->radius_m));
     TRY(rows_read(file, "/particles/trajectory/position/value", H5T_NATIVE_DOUBLE, k, 1, 3 * n, frame->position_m));
     TRY(rows_read(file, "/frames/box_lo", H5T_NATIVE_DOUBLE, k, 1, 3, frame->lower_m));
-    TRY(rows_read(file, "/particles/trajectory/box/edges/value", H5T_NATIVE_DOUBLE, k, 1, 3, edges));
+    TRY(rows_read(file, "/particles/trajectory/box/edges/value", H5T_NATIVE_DOUBLE, k, 1, 9, edges));
     for (int d = 0; d < 3; d++)
-        frame->upper_m[d] = frame->lower_m[d] + edges[d];
+        frame->upper_m[d] = frame->lower_m[d] + edges[4 * d];
     return STATUS_OK;
 }
 

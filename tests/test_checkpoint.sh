@@ -102,7 +102,7 @@ case_kill_sim() {
 # The recorder, too, dies without a word, so its file holds what it has said to be on disk. The last rows of the walls'
 # compressed tables may be lost, so these are left out here.
 case_kill_all() {
-    settings_more=(--set record.walls=sampled --set record.event_log=false --set stages.0.duration_s=0.1)
+    settings_more=(--set record.walls=sampled --set record.event_log=false --set stages.0.duration_s=0.3)
     shakedown run "$scene" "${settings[@]}" "${settings_more[@]}" --out whole
     expect_code 0 $?
     start_driver "${settings_more[@]}"
