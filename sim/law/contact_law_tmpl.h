@@ -270,6 +270,17 @@ LANES_INLINE real NAME(ratio)(real to, real square)
 #endif
 }
 
+/* What a contact keeps of its test force. */
+LANES_INLINE void NAME(keep)(struct NAME(touch) * touch, const struct NAME(memory) * memory)
+{
+    const real one = real_all(1.0);
+    real_mask slides = real_greater(touch->pull2, touch->bound2);
+    /* 1e-30 N^2 keeps the root finite */
+    real reduced = NAME(ratio)(touch->kinetic, real_larger(touch->pull2, real_all(1e-30)));
+    touch->factor = real_select(slides, reduced, one);
+    real_store(memory->sliding, real_where(real_and(slides, touch->active), one));
+}
+
 #include TANGENTIAL_TEXT
 #endif
 

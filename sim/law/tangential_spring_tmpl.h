@@ -46,17 +46,6 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
     touch->kinetic = real_all(law->mu_d) * limit;
 }
 
-/* What a contact keeps of its test force. */
-LANES_INLINE void NAME(keep)(struct NAME(touch) * touch, const struct NAME(memory) * memory)
-{
-    const real one = real_all(1.0);
-    real_mask slides = real_greater(touch->pull2, touch->bound2);
-    /* 1e-30 N^2 keeps the root finite */
-    real reduced = NAME(ratio)(touch->kinetic, real_larger(touch->pull2, real_all(1e-30)));
-    touch->factor = real_select(slides, reduced, one);
-    real_store(memory->sliding, real_where(real_and(slides, touch->active), one));
-}
-
 /* Springs, losses and forces of friction. A sliding spring slips by q pull, q = (1 - factor)/kt, so that the law holds
  * with the spring that is left; q = 0: it sticks. With the mean of the spring over the step the ledger closes in second
  * order, jumps of the spring included. */
