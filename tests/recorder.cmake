@@ -35,3 +35,7 @@ foreach(name recorder_fault recorder_live)
   set_property(TEST ${name} PROPERTY ENVIRONMENT
                "LSAN_OPTIONS=print_suppressions=0:suppressions=${CMAKE_CURRENT_SOURCE_DIR}/recorder_leaks.supp")
 endforeach()
+
+add_test(NAME export COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_export.sh $<TARGET_FILE:sim> $<TARGET_FILE:recorder>
+                             $<TARGET_FILE:shakedown-export> ${PROJECT_SOURCE_DIR}/scenes/triaxial_quick.cfg)
+set_tests_properties(export PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 125)

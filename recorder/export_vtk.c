@@ -1,0 +1,194 @@
+/* VTK's XML files: particles_F.vtp (points) and contacts_F.vtp (lines from i to j, or to the point on the wall) for
+ * every frame F, and particles.pvd, contacts.pvd, which give them their times; of frames of one time the last. */
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "recorder/export.h"
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the byte order that the files name");
+
+enum { PARTICLES, CONTACTS };
+enum { ARRAYS_MAX = COLUMNS_MAX + 8 };
+
+struct array {
+    const char *name;
+    int width;
+    bool integer;
+    const double *value; /* [rows][width] */
+    int64_t rows;
+};
+
+/* One file under way: its header names the arrays, whose bytes follow in the same order. */
+struct piece {
+    FILE *file;
+    int n;
+    struct array array[ARRAYS_MAX];
+    uint64_t bytes; /* before the next array */
+};
+
+static void array_add(struct piece *piece, const struct array *array)
+{
+    fprintf(piece->file,
+            "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" offset=\"%" PRIu64
+            "\"/>\n",
+            array->integer ? "Int64" : "Float64", array->name, array->width, piece->bytes);
+    piece->bytes += sizeof(uint64_t) + sizeof(double) * (uint64_t)(array->rows * array->width);
+    piece->array[piece->n++] = *array;
+}
+
+static void columns_add(struct piece *piece, const struct columns *columns, const char *without)
+{
+    for (int k = 0; k < columns->n; k++) {
+        const struct column *column = &columns->column[k];
+        if (strcmp(column->name, without) != 0)
+            array_add(piece,
+                      &(struct array){column->name, column->width, column->integer, column->value, columns->rows});
+    }
+}
+
+static void bytes_write(const struct piece *piece)
+{
+    for (int k = 0; k < piece->n; k++) {
+        const struct array *array = &piece->array[k];
+        const int64_t values = array->rows * array->width;
+        const uint64_t size = sizeof(double) * (uint64_t)values;
+        (void)fwrite(&size, sizeof size, 1, piece->file); /* export_close finds what failed */
+        for (int64_t v = 0; v < values; v++) {
+            const int64_t integer = array->integer ? (int64_t)array->value[v] : 0;
+            (void)fwrite(array->integer ? (const void *)&integer : &array->value[v], sizeof integer, 1, piece->file);
+        }
+    }
+}
+
+/* Points, and cells of `corners` points each, in order. */
+struct geometry {
+    int64_t points, cells;
+    int corners;
+    const char *cell_name;                        /* "Verts" */
+    const double *point_m;                        /* [points][3] */
+    const struct columns *point_data, *cell_data; /* NULL: none */
+    const char *without;
+    double *connectivity, *ends;
+};
+
+static void data_add(struct piece *piece, const char *tag, const struct columns *columns, const char *without)
+{
+    fprintf(piece->file, "<%s>\n", tag);
+    if (columns)
+        columns_add(piece, columns, without);
+    fprintf(piece->file, "</%s>\n", tag);
+}
+
+static void geometry_write(FILE *file, const struct geometry *of)
+{
+    struct piece piece = {.file = file};
+    fprintf(file,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+            "header_type=\"UInt64\">\n<PolyData><Piece NumberOfPoints=\"%" PRId64 "\" NumberOf%s=\"%" PRId64 "\">\n",
+            of->points, of->cell_name, of->cells);
+    data_add(&piece, "PointData", of->point_data, of->without);
+    data_add(&piece, "CellData", of->cell_data, of->without);
+    fputs("<Points>\n", file);
+    array_add(&piece, &(struct array){"Points", 3, false, of->point_m, of->points});
+    fprintf(file, "</Points>\n<%s>\n", of->cell_name);
+    array_add(&piece, &(struct array){"connectivity", 1, true, of->connectivity, of->points});
+    array_add(&piece, &(struct array){"offsets", 1, true, of->ends, of->cells});
+    fprintf(file, "</%s>\n</Piece></PolyData>\n<AppendedData encoding=\"raw\">\n_", of->cell_name);
+    bytes_write(&piece);
+    fputs("\n</AppendedData>\n</VTKFile>\n", file);
+}
+
+static enum status geometry_save(const struct export *export, const char *name, struct geometry *of)
+{
+    FILE *file = NULL;
+    enum status status = STATUS_OK;
+    of->connectivity = malloc((size_t)(of->points + 1) * sizeof(double));
+    of->ends = malloc((size_t)(of->cells + 1) * sizeof(double));
+    if (!of->connectivity || !of->ends)
+        status = status_fail(STATUS_NO_MEMORY, "out of memory");
+    if (status == STATUS_OK)
+        status = export_open(export, name, &file);
+    if (status == STATUS_OK) {
+        for (int64_t k = 0; k < of->points; k++)
+            of->connectivity[k] = (double)k;
+        for (int64_t k = 0; k < of->cells; k++)
+            of->ends[k] = (double)((k + 1) * of->corners);
+        geometry_write(file, of);
+        status = export_close(file);
+    }
+    free(of->connectivity);
+    free(of->ends);
+    return status;
+}
+
+static enum status particles_save(const struct export *export, const char *name)
+{
+    const struct run_frames *run = export->run;
+    struct geometry geometry = {.points = run->n_particles,
+                                .cells = run->n_particles,
+                                .corners = 1,
+                                .cell_name = "Verts",
+                                .point_m = columns_find(&run->particles, "position")->value,
+                                .point_data = &run->particles,
+                                .without = "position"};
+    return geometry_save(export, name, &geometry);
+}
+
+static enum status contacts_save(const struct export *export, const char *name)
+{
+    const struct run_frames *run = export->run;
+    const int64_t n = run->contacts.rows;
+    double(*ends_m)[2][3] = malloc((size_t)(n + 1) * sizeof *ends_m);
+    if (!ends_m)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    for (int64_t row = 0; row < n; row++)
+        run_frames_contact_ends(run, row, ends_m[row]);
+    struct geometry geometry = {.points = 2 * n,
+                                .cells = n,
+                                .corners = 2,
+                                .cell_name = "Lines",
+                                .point_m = &ends_m[0][0][0],
+                                .cell_data = &run->contacts,
+                                .without = ""};
+    enum status status = geometry_save(export, name, &geometry);
+    free(ends_m);
+    return status;
+}
+
+static enum status vtk_begin(struct export *export)
+{
+    static const char *const names[] = {"particles.pvd", "contacts.pvd"};
+    for (int k = 0; k < 2; k++) {
+        TRY(export_open(export, names[k], &export->file[k]));
+        fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n",
+              export->file[k]);
+    }
+    return STATUS_OK;
+}
+
+static enum status vtk_frame(struct export *export, int64_t frame)
+{
+    static const char *const names[] = {"particles", "contacts"};
+    const struct run_frames *run = export->run;
+    for (int k = PARTICLES; k <= CONTACTS; k++) {
+        char name[64];
+        if (k == CONTACTS && frame >= run->n_contact_frames)
+            break;
+        snprintf(name, sizeof name, "%s_%06" PRId64 ".vtp", names[k], frame);
+        TRY(k == PARTICLES ? particles_save(export, name) : contacts_save(export, name));
+        if (!run_frames_is_superseded(run, frame))
+            fprintf(export->file[k], "<DataSet timestep=\"%.17g\" part=\"0\" file=\"%s\"/>\n", run->time_s[frame],
+                    name);
+    }
+    return STATUS_OK;
+}
+
+static enum status vtk_end(struct export *export)
+{
+    for (int k = PARTICLES; k <= CONTACTS; k++)
+        fputs("</Collection>\n</VTKFile>\n", export->file[k]);
+    return STATUS_OK;
+}
+
+const struct export_format export_vtk = {"vtk", vtk_begin, vtk_frame, vtk_end};
