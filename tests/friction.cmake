@@ -6,3 +6,9 @@ foreach(part contact sample)
   add_test(NAME friction_${part} COMMAND test_friction_${part})
   set_tests_properties(friction_${part} PROPERTIES LABELS physics TIMEOUT 120)
 endforeach()
+
+# No hidden scales, and friction that is switched on.
+add_executable(test_scales ${CMAKE_CURRENT_LIST_DIR}/test_scales.c)
+target_link_libraries(test_scales PRIVATE sim_fixture)
+add_test(NAME scales COMMAND test_scales)
+set_tests_properties(scales PROPERTIES LABELS physics TIMEOUT 120)

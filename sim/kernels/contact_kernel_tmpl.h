@@ -272,14 +272,14 @@ LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) 
         struct NAME(touch) touch = NAME(touch)(law, &at, &memory, sums);
 #if FRICTIONAL
         if (!APART)
-            NAME(keep)(&touch, &memory);
+            NAME(keep)(law, &touch, &memory);
 #endif
         chunk->set[m].touch = touch;
     }
 #if FRICTIONAL
     for (int m = 0; m < n && APART; m++) {
         struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
-        NAME(keep)(&chunk->set[m].touch, &memory);
+        NAME(keep)(law, &chunk->set[m].touch, &memory);
     }
 #endif
     for (int m = 0; m < n; m++) {

@@ -1,5 +1,7 @@
 #include "sim/law/contact_law.h"
 
+#include <math.h>
+
 #define MODEL_TEXT "sim/law/normal_constants.h"
 #include "sim/law/for_each_model.h"
 
@@ -17,13 +19,16 @@ static const struct normal_functions normal_functions[LAW_COUNT] = {
 
 struct contact_law_constants contact_law_constants_of(const struct scene_material *m, int normal)
 {
+    const bool rough = m->mu_s > 0, mindlin = normal_functions[normal].traits & NORMAL_MINDLIN;
+    const double kt = rough ? m->kt_n_per_m : 0;
     struct contact_law_constants law = {
         .gamma_n = m->gamma_n_kg_per_s,
         .mu_s = m->mu_s,
         .mu_d = m->mu_d,
-        .kt = m->kt_n_per_m,
-        .inv_kt = m->kt_n_per_m > 0 ? 1 / m->kt_n_per_m : 0,
-        .gamma_t = m->gamma_t_kg_per_s,
+        .kt = kt,
+        .inv_kt = kt > 0 ? 1 / kt : 0,
+        .gamma_t = rough ? m->gamma_t_kg_per_s : 0,
+        .springs = rough && (mindlin || kt > 0),
     };
     law.normal[NORMAL_CONSTANTS_MAX - 1] = m->gamma_n_kg_per_s;
     normal_functions[normal].constants(m, law.normal);
@@ -33,7 +38,12 @@ struct contact_law_constants contact_law_constants_of(const struct scene_materia
 
 void contact_law_set_scale(struct contact_law_constants *law, int normal, double radius_m, double force_n)
 {
+    const double small = 0x1p-40; /* overlap over radius, about 1e-12 */
+    int exponent = 0;
     law->stiffness = normal_functions[normal].stiffness(law->normal, radius_m, force_n);
+    if (law->stiffness * radius_m > 0)
+        (void)frexp(law->stiffness * radius_m * small, &exponent);
+    law->per_force = ldexp(1, -exponent);
 }
 
 int contact_law_traits(int normal)

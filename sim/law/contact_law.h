@@ -15,6 +15,8 @@ struct contact_law_constants {
     double mu_s, mu_d;
     double kt, inv_kt; /* N/m, m/N */
     double gamma_t;    /* kg/s */
+    bool springs;      /* friction has springs; without friction, or with kt = 0, they stay as they are */
+    double per_force;  /* 1/(a small force of the scene) [1/N], a power of 2; contact_law_set_scale */
 };
 
 /* Energy lost in contacts since the start of the stage [J]. */
@@ -34,8 +36,8 @@ struct contact_forces {
  * stage's. */
 struct contact_law_constants contact_law_constants_of(const struct scene_material *material, int normal);
 
-/* Sets the stiffness of a law whose stiffness goes with the force: that of two particles of the radius under the force
- * (0: none is known, a small overlap is taken); else nothing. */
+/* Sets what follows from the size of the particles: the stiffness of a law whose stiffness goes with the force, that of
+ * two particles of the radius under the force (0: none is known, a small overlap is taken), and the unit of force. */
 void contact_law_set_scale(struct contact_law_constants *law, int normal, double radius_m, double force_n);
 
 /* Traits of a normal law (enum normal_trait, contact_model.h). */

@@ -95,6 +95,7 @@ struct NAME(law) {
     struct NAME(normal_law) normal;
     scalar gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt;
     scalar lever;        /* gamma_t - kt dt/2 */
+    scalar per_force;    /* 1/N, a power of 2 */
     scalar half, damped; /* Mindlin: dt/2 of that, and the part of gamma_t */
 };
 
@@ -110,10 +111,11 @@ LANES_INLINE struct NAME(law)
                               .kt = (scalar)law->kt,
                               .inv_kt = (scalar)law->inv_kt,
                               .gamma_t = (scalar)law->gamma_t,
-                              .dt = (scalar)dt_s,
+                              .dt = (scalar)(law->springs ? dt_s : 0),
                               .lever = (scalar)(law->gamma_t - 0.5 * law->kt * lever_s),
-                              .half = (scalar)(0.5 * lever_s),
-                              .damped = 1};
+                              .half = (scalar)(law->springs ? 0.5 * lever_s : 0),
+                              .damped = law->springs,
+                              .per_force = (scalar)law->per_force};
 }
 
 /* What the contacts of a list remember, LANES of them from here on; changed in place. rest: what rounding left out of
@@ -271,12 +273,14 @@ LANES_INLINE real NAME(ratio)(real to, real square)
 }
 
 /* What a contact keeps of its test force. */
-LANES_INLINE void NAME(keep)(struct NAME(touch) * touch, const struct NAME(memory) * memory)
+LANES_INLINE void NAME(keep)(const struct NAME(law) * law, struct NAME(touch) * touch,
+                             const struct NAME(memory) * memory)
 {
     const real one = real_all(1.0);
     real_mask slides = real_greater(touch->pull2, touch->bound2);
-    /* 1e-30 N^2 keeps the root finite */
-    real reduced = NAME(ratio)(touch->kinetic, real_larger(touch->pull2, real_all(1e-30)));
+    /* in units of force of the scene, so that the root, of which only contacts that slide take notice, is finite */
+    const real per = real_all(law->per_force), pull2 = touch->pull2 * (per * per);
+    real reduced = NAME(ratio)(touch->kinetic * per, real_larger(pull2, real_all(0x1p-120)));
     touch->factor = real_select(slides, reduced, one);
     real_store(memory->sliding, real_where(real_and(slides, touch->active), one));
 }

@@ -1,6 +1,7 @@
 #include "sim/sample/stage.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "sim/sample/coupling_audit.h"
 #include "sim/sample/energy.h"
@@ -28,13 +29,25 @@ void sample_set_law(struct sample *sample)
     sample->material = sample->stage < 0 ? NULL : &sample->scene->stage[sample->stage].material;
     if (sample->material) {
         sample->law = contact_law_constants_of(sample->material, sample->pairs.model.normal);
-        if (sample->pairs.model.traits & NORMAL_PER_PAIR)
-            set_scale(sample);
+        set_scale(sample);
         coupling_audit_set_law(sample);
     }
 }
 
-static void stage_start(struct sample *sample, int stage)
+/* In a stage whose friction has no springs, or that has no friction, contacts remember none. */
+static enum status forget_friction(struct sample *sample)
+{
+    for (int l = 0; l <= sample->n_walls; l++) {
+        struct contact_list *list = l == 0 ? &sample->pairs : &sample->walls[l - 1].contacts;
+        contact_list_read(list);
+        for (int c = HISTORY_SPRING; c < HISTORY_COLUMNS; c++)
+            if (list->history[c] && list->count && c != HISTORY_CONTACT_RADIUS)
+                memset(list->history[c], 0, (size_t)list->count * sizeof(double));
+    }
+    return sample_close_lists(sample);
+}
+
+static enum status stage_start(struct sample *sample, int stage)
 {
     (void)sample_complete(sample);
     const bool first = sample->stage < 0; /* no law so far */
@@ -45,6 +58,8 @@ static void stage_start(struct sample *sample, int stage)
     sample->dt = next->dt_s;
     const double elastic_before = energy_held(sample_complete(sample)).elastic_j; /* with the material of before */
     sample_set_law(sample);
+    if (sample->pairs.model.frictional && !sample->law.springs)
+        TRY(forget_friction(sample));
     for (int w = 0; w < sample->n_walls; w++)
         sample->stage_position_m[w] = sample->walls[w].x;
     time_step_forces_anew(sample);
@@ -54,6 +69,7 @@ static void stage_start(struct sample *sample, int stage)
         sample->ledger.elastic_start = elastic_before;
     }
     coupling_audit_stage_start(sample);
+    return STATUS_OK;
 }
 
 enum status sample_command(struct sample *sample, const struct wall_command *command)
@@ -66,7 +82,7 @@ enum status sample_command(struct sample *sample, const struct wall_command *com
                            (long long)sample->step, command->stage, sample->stage);
     coupling_audit_close(sample, command);
     if (command->stage != sample->stage)
-        stage_start(sample, command->stage);
+        TRY(stage_start(sample, command->stage));
     coupling_audit_open(sample);
     walls_take_command(sample, command);
     return STATUS_OK;
