@@ -119,7 +119,7 @@ struct scene_stage {
 };
 
 enum radius_distribution { RADIUS_UNIFORM, RADIUS_GAUSSIAN };
-enum initial_state { INITIAL_LATTICE, INITIAL_RANDOM, INITIAL_CHECKPOINT };
+enum initial_state { INITIAL_LATTICE, INITIAL_RANDOM, INITIAL_CHECKPOINT, INITIAL_FILE };
 
 struct scene_sample {
     int64_t count;
@@ -129,12 +129,18 @@ struct scene_sample {
     double radius_mean_m; /* gaussian */
     double radius_sd_m;
     double density_kg_per_m3;
-    int initial;                        /* enum initial_state */
-    char checkpoint[CONFIG_STRING_MAX]; /* its path, relative to the scene file */
-    double gap_ratio;                   /* lattice: spacing is 2 r_max (1 + gap_ratio) */
-    double solid_fraction;              /* random: of the starting box */
-    double aspect_ratio;                /* starting box: height z over width x (and y = x) */
-    double speed_m_per_s;               /* starting velocities, uniform in [-speed, speed] per component */
+    int initial;                               /* enum initial_state */
+    char checkpoint[CONFIG_STRING_MAX];        /* its path, relative to the scene file */
+    char file[CONFIG_STRING_MAX];              /* of the grains; absolute once the scene is loaded */
+    char file_hash[CONFIG_STRING_MAX];         /* of its content */
+    struct config_floats box_min_m, box_max_m; /* file: [dimension], or none */
+    double overlap_ratio;                      /* file: of the smaller radius */
+    double gap_ratio;                          /* lattice: spacing is 2 r_max (1 + gap_ratio) */
+    double solid_fraction;                     /* random: of the starting box */
+    double aspect_ratio;                       /* starting box: height z over width x (and y = x) */
+    double speed_m_per_s;                      /* starting velocities, uniform in [-speed, speed] per component */
+    /* Follow from the above: */
+    double mean_radius_m, mean_cube_m3; /* of radii, and of their cubes */
 };
 
 enum coupling_scheme {

@@ -4,9 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Least part of a Gaussian between its cut-offs. */
-static const double GAUSSIAN_PART = 1e-3;
-
 static enum status friction_check(const struct scene_material *m, const config_setting_t *at, const char *where)
 {
     if (m->mu_d < 0 && m->mu_d != -1.0)
@@ -95,34 +92,6 @@ enum status scene_check_material(const struct scene *scene, const struct scene_s
         if (!fit_in_one_scene(stage->material.law, other->material.law))
             return config_fail(at, path, "law \"%s\" does not go with law \"%s\" of stage \"%s\"",
                                scene_law_name(stage->material.law), scene_law_name(other->material.law), other->name);
-    return STATUS_OK;
-}
-
-/* Cut so narrowly, a distribution is drawn from for ever. */
-static double gaussian_part(const struct scene_sample *s)
-{
-    double scale = 1 / (s->radius_sd_m * sqrt(2));
-    return 0.5 *
-           (erf((s->radius_max_m - s->radius_mean_m) * scale) - erf((s->radius_min_m - s->radius_mean_m) * scale));
-}
-
-enum status scene_check_sample(const struct scene_sample *sample, const config_setting_t *at)
-{
-    if (sample->radius_max_m < sample->radius_min_m)
-        return config_fail(at, "sample", "radius_max_m (%g) must be at least radius_min_m (%g)", sample->radius_max_m,
-                           sample->radius_min_m);
-    if (sample->radius_distribution == RADIUS_GAUSSIAN &&
-        !(sample->radius_sd_m > 0 && sample->radius_mean_m >= sample->radius_min_m &&
-          sample->radius_mean_m <= sample->radius_max_m))
-        return config_fail(at, "sample",
-                           "gaussian radii need radius_sd_m above 0 and radius_mean_m between the cut-offs");
-    if (sample->radius_distribution == RADIUS_GAUSSIAN && !(gaussian_part(sample) >= GAUSSIAN_PART))
-        return config_fail(at, "sample",
-                           "gaussian radii: only %g of them lie between radius_min_m and radius_max_m; allowed: at "
-                           "least %g. For one size, or a narrow range, take radius_distribution = \"uniform\"",
-                           gaussian_part(sample), GAUSSIAN_PART);
-    if (sample->initial == INITIAL_CHECKPOINT && !sample->checkpoint[0])
-        return config_fail(at, "sample", "initial = \"checkpoint\" needs the path in checkpoint");
     return STATUS_OK;
 }
 

@@ -7,7 +7,9 @@
 
 #include "common/scene.h"
 
-enum status scene_check_sample(const struct scene_sample *sample, const config_setting_t *at) MUST_USE;
+/* The sample, and what follows from it; reads the file of its grains. `path`: of the scene, from which other paths are
+ * relative; NULL: the sample comes from a record, which says what the file held. */
+enum status scene_check_sample(struct scene *scene, const char *path, const config_setting_t *at) MUST_USE;
 
 /* A stage as read from `at`, under the path `where`, before what follows from its keys is filled in: its material, and
  * what moves its walls; `root`: of the scene, whose material and walls it takes over. */

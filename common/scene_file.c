@@ -1,7 +1,6 @@
 #include "common/scene_file.h"
 
 #include <errno.h>
-#include <libgen.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -136,7 +135,7 @@ static enum status stages_read(struct scene *scene, const config_setting_t *root
     return STATUS_OK;
 }
 
-static enum status scene_read(struct scene *scene, const config_setting_t *root)
+static enum status scene_read(struct scene *scene, const config_setting_t *root, const char *path)
 {
     static const char *const own[] = {"stages", NULL};
     config_defaults(scene_keys, scene);
@@ -145,7 +144,7 @@ static enum status scene_read(struct scene *scene, const config_setting_t *root)
     if (scene->gravity_m_per_s2.count != 0 && scene->gravity_m_per_s2.count != SCENE_AXES)
         return config_fail(config_setting_get_member(root, "gravity_m_per_s2"), "gravity_m_per_s2",
                            "must have 3 members [x, y, z], or none");
-    TRY(scene_check_sample(&scene->sample, config_setting_get_member(root, "sample")));
+    TRY(scene_check_sample(scene, path, config_setting_get_member(root, "sample")));
     TRY(stages_read(scene, root));
     if (scene_stage_find(scene, scene->analysis.stage) < 0)
         return config_fail(config_setting_get_member(root, "analysis"), "analysis.stage", "there is no stage \"%s\"",
@@ -167,8 +166,9 @@ static enum status config_parse(config_t *config, const char *text, const char *
     return status;
 }
 
-static enum status parse(struct scene *scene, const char *text, const char *name, const char *const *overrides,
-                         int n_overrides)
+/* `path`: of the file that the text is from, or NULL. */
+static enum status parse(struct scene *scene, const char *text, const char *name, const char *path,
+                         const char *const *overrides, int n_overrides)
 {
     config_t config;
     memset(scene, 0, sizeof *scene);
@@ -176,7 +176,7 @@ static enum status parse(struct scene *scene, const char *text, const char *name
     config_init(&config);
     enum status status = config_parse(&config, text, name, overrides, n_overrides);
     if (status == STATUS_OK)
-        status = scene_read(scene, config_root_setting(&config));
+        status = scene_read(scene, config_root_setting(&config), path);
     config_destroy(&config);
     if (status == STATUS_OK && !(scene->text = strdup(text)))
         status = status_fail(STATUS_NO_MEMORY, "out of memory");
@@ -213,20 +213,6 @@ static enum status file_read(const char *path, char **text)
     return STATUS_OK;
 }
 
-/* Paths in a scene are relative to the scene file. */
-static enum status checkpoint_resolve(struct scene *scene, const char *path)
-{
-    char copy[1024], joined[1024];
-    if (!scene->sample.checkpoint[0] || scene->sample.checkpoint[0] == '/')
-        return STATUS_OK;
-    snprintf(copy, sizeof copy, "%s", path);
-    int length = snprintf(joined, sizeof joined, "%s/%s", dirname(copy), scene->sample.checkpoint);
-    if (length >= CONFIG_STRING_MAX)
-        return status_fail(STATUS_CONFIG, "%s: sample.checkpoint: '%s' is too long", path, joined);
-    memcpy(scene->sample.checkpoint, joined, (size_t)length + 1);
-    return STATUS_OK;
-}
-
 /* RUN_INFO carries the text and the effective configuration in one message of at most 60 kB. */
 static enum status check_message_size(const struct scene *scene, const char *path)
 {
@@ -254,14 +240,12 @@ enum status scene_load(struct scene *scene, const char *path, const char *const 
 {
     char *text = NULL;
     TRY(file_read(path, &text));
-    enum status status = parse(scene, text, path, overrides, n_overrides);
+    enum status status = parse(scene, text, path, path, overrides, n_overrides);
     free(text);
-    if (status == STATUS_OK)
-        status = check_message_size(scene, path);
-    return status == STATUS_OK ? checkpoint_resolve(scene, path) : status;
+    return status == STATUS_OK ? check_message_size(scene, path) : status;
 }
 
 enum status scene_parse(struct scene *scene, const char *text, const char *name)
 {
-    return parse(scene, text, name, NULL, 0);
+    return parse(scene, text, name, NULL, NULL, 0);
 }

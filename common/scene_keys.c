@@ -15,7 +15,7 @@ static const char *const course_names[] = {"smooth", "rate", "cosine", "triangle
 static const char *const target_names[] = {"constant", "ramp", "cosine", "triangle", "table", NULL};
 static const char *const keep_names[] = {"volume", "p", "q", "b", "path", NULL};
 static const char *const radius_names[] = {"uniform", "gaussian", NULL};
-static const char *const initial_names[] = {"lattice", "random", "checkpoint", NULL};
+static const char *const initial_names[] = {"lattice", "random", "checkpoint", "file", NULL};
 static const char *const scheme_names[] = {"hold",      "jacobian",    "pipelined", "adaptive",
                                            "impedance", "compensated", NULL};
 static const char *const precision_names[] = {"double", "mixed", NULL};
@@ -202,20 +202,36 @@ const struct key scene_stage_keys[] = {
     {0}};
 
 static const struct key sample_keys[] = {
-    {"count", KEY_INT, OF(scene_sample, count), NULL, 1, 10000000, NULL, NULL, NULL, "number of particles N"},
+    {"count", KEY_INT, OF(scene_sample, count), NULL, 1, 10000000, "0", NULL, NULL,
+     "number of particles N; initial = \"file\": may be missing, or is that of the file"},
     {"radius_distribution", KEY_CHOICE, OF(scene_sample, radius_distribution), NULL, 0, 0, "uniform", radius_names,
      NULL, "uniform in [radius_min_m, radius_max_m], or gaussian cut to that interval"},
-    {"radius_min_m", KEY_FLOAT, OF(scene_sample, radius_min_m), "m", 1e-9, 1e3, NULL, NULL, NULL, "smallest radius"},
-    {"radius_max_m", KEY_FLOAT, OF(scene_sample, radius_max_m), "m", 1e-9, 1e3, NULL, NULL, NULL, "largest radius"},
+    {"radius_min_m", KEY_FLOAT, OF(scene_sample, radius_min_m), "m", 1e-9, 1e3, "0", NULL, NULL,
+     "smallest radius; initial = \"file\": that of the file"},
+    {"radius_max_m", KEY_FLOAT, OF(scene_sample, radius_max_m), "m", 1e-9, 1e3, "0", NULL, NULL,
+     "largest radius, likewise"},
     {"radius_mean_m", KEY_FLOAT, OF(scene_sample, radius_mean_m), "m", 0, 1e3, "0", NULL, NULL, "gaussian: mean"},
     {"radius_sd_m", KEY_FLOAT, OF(scene_sample, radius_sd_m), "m", 0, 1e3, "0", NULL, NULL,
      "gaussian: standard deviation before cutting"},
     {"density_kg_per_m3", KEY_FLOAT, OF(scene_sample, density_kg_per_m3), "kg/m^3", 1e-6, 1e6, NULL, NULL, NULL,
      "density; the mass is a sphere's in 2D too [LH, D]"},
     {"initial", KEY_CHOICE, OF(scene_sample, initial), NULL, 0, 0, "lattice", initial_names, NULL,
-     "lattice without overlap; random without overlap; or the final state of another run"},
+     "lattice without overlap; random without overlap; the final state of another run; or grains with positions, "
+     "radii, velocities and spins of their own"},
     {"checkpoint", KEY_STRING, OF(scene_sample, checkpoint), NULL, 0, 0, "", NULL, NULL,
      "initial = \"checkpoint\": path of checkpoint.h5, relative to the scene file"},
+    {"file", KEY_STRING, OF(scene_sample, file), NULL, 0, 0, "", NULL, NULL,
+     "initial = \"file\": path of a table of grains, relative to the scene file: a line x,y,z,radius, which may go on "
+     "with ,vx,vy,vz and ,omega_x,omega_y,omega_z, then one line per grain; m, m/s, rad/s"},
+    {"file_hash", KEY_STRING, OF(scene_sample, file_hash), NULL, 0, 0, "", NULL, NULL,
+     "initial = \"file\": FNV-1a of its bytes, 16 hexadecimal digits; recorded. If given, the file must have it"},
+    {"box_min_m", KEY_FLOATS, OF(scene_sample, box_min_m), "m", -1e9, 1e9, "", NULL, NULL,
+     "initial = \"file\": lower walls [x, y, z], in 2D [x, z]; empty: where the outermost grains touch"},
+    {"box_max_m", KEY_FLOATS, OF(scene_sample, box_max_m), "m", -1e9, 1e9, "", NULL, NULL,
+     "initial = \"file\": upper walls, likewise"},
+    {"overlap_ratio", KEY_FLOAT, OF(scene_sample, overlap_ratio), NULL, 0, 0.5, "1e-9", NULL, NULL,
+     "initial = \"file\": overlaps of grains up to this part of the smaller radius, and of a grain and a wall, are "
+     "taken"},
     {"gap_ratio", KEY_FLOAT, OF(scene_sample, gap_ratio), NULL, 0, 100, "0.01", NULL, NULL,
      "lattice: its spacing is 2 radius_max_m (1 + gap_ratio)"},
     {"solid_fraction", KEY_FLOAT, OF(scene_sample, solid_fraction), NULL, 1e-6, 0.6, "0.3", NULL, NULL,

@@ -56,3 +56,11 @@ add_executable(test_judge ${CMAKE_CURRENT_LIST_DIR}/test_judge.c)
 target_link_libraries(test_judge PRIVATE sim_fixture)
 add_test(NAME judge COMMAND test_judge)
 set_tests_properties(judge PROPERTIES LABELS physics TIMEOUT 60)
+
+# Samples from a table of grains.
+add_executable(test_grain_file ${CMAKE_CURRENT_LIST_DIR}/test_grain_file.c)
+target_link_libraries(test_grain_file PRIVATE sim_fixture)
+add_test(NAME grain_file COMMAND test_grain_file)
+set_tests_properties(grain_file PROPERTIES LABELS unit TIMEOUT 30)
+add_test(NAME grains_kept COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_grains_kept.sh $<TARGET_FILE:launcher> $<TARGET_FILE:sim>)
+set_tests_properties(grains_kept PROPERTIES LABELS replay TIMEOUT 60)

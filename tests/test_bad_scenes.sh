@@ -33,6 +33,8 @@ expect 3 "$work/big.cfg: larger than 24576 bytes" "$work/big.cfg"
 expect 3 "$work/empty.cfg:" "$work/empty.cfg"
 expect 5 "$work/missing.cfg: No such file or directory" "$work/missing.cfg"
 expect 5 "$work: " "$work"
+sed '/speed_m_per_s/d; s/count = 60;/initial = "file"; file = "grains.csv";/' "$good" >"$work/no_grains.cfg"
+expect 5 "$work/grains.csv: No such file or directory" "$work/no_grains.cfg"
 
 expect 0 '' "$good"
 expect 0 '' "$good" --set stages.1.dt_s=2e-6 --set 'stages.1.frame_strains=[0.0, 0.005]' --set material.law=hysteretic

@@ -78,7 +78,10 @@ static void numbers_are_taken_exactly(void **unused)
 static void a_time_step_follows_from_the_scene(void **unused)
 {
     static const char *const given[] = {"dt_s = \"auto\"; ", ""};
-    struct scene_sample radii = {.radius_min_m = 0.5e-3, .radius_max_m = 1.5e-3, .density_kg_per_m3 = 2000};
+    struct scene *wide = parsed("dimension = 2; material = { kn_n_per_m = 1e5; };\n"
+                                "sample = { count = 1; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; "
+                                "density_kg_per_m3 = 2000; };\n"
+                                "stages = ( { name = \"a\"; duration_s = 1e-3; } );");
     struct scene_material material = {.kn_n_per_m = 1e5};
     (void)unused;
     for (int k = 0; k < 2; k++) {
@@ -88,10 +91,11 @@ static void a_time_step_follows_from_the_scene(void **unused)
         assert_true(fabs(scene->stage[0].dt_s - 1.01665e-6) < 1e-10);
         dispose(scene);
     }
-    assert_true(fabs(time_step_auto_s(&radii, &material) - 1.0269e-6) < 1e-10);
+    assert_true(fabs(time_step_auto_s(&wide->sample, &material) - 1.0269e-6) < 1e-10);
     material.gamma_n_kg_per_s = 10;
-    assert_true(fabs(time_step_auto_s(&radii, &material) - 2.115e-8) < 2e-11);
-    assert_true(time_step_auto_s(&radii, &(struct scene_material){0}) == 0);
+    assert_true(fabs(time_step_auto_s(&wide->sample, &material) - 2.115e-8) < 2e-11);
+    assert_true(time_step_auto_s(&wide->sample, &(struct scene_material){0}) == 0);
+    dispose(wide);
 }
 
 static void groups_are_repeated(void **unused)

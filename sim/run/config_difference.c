@@ -6,8 +6,8 @@
 enum { LINE_MAX_BYTES = 2048, DEPTH_MAX = 8, PATH_BYTES = 256 };
 
 /* Keys that may differ. */
-static const char *const free_keys[] = {"checkpoint_interval_s", "threads", "coupling.timeout_s", "sample.checkpoint",
-                                        NULL};
+static const char *const free_keys[] = {"checkpoint_interval_s", "threads",     "coupling.timeout_s",
+                                        "sample.checkpoint",     "sample.file", NULL};
 
 /* Where a text is being read. */
 struct reader {
