@@ -173,7 +173,7 @@ static enum status curves_make(struct figure_lines *lines, const struct results 
                                   : plain_line(lines, figure, curve, colour, &line);
         curves_free(curve, n);
         TRY(status);
-        cell_text(results->study, cell, NULL, line->label, sizeof line->label);
+        cell_text(results->study, cell, NULL, NULL, line->label, sizeof line->label);
         colour++;
     }
     return STATUS_OK;
@@ -231,8 +231,46 @@ static enum status paper_line(struct figure_lines *lines, const struct results *
     return STATUS_OK;
 }
 
+/* What a figure of points draws: a quantity of each cell, or a number of each tangent, which stands at its first cell.
+ */
+struct drawn {
+    int key;           /* of results; -1: of tangents */
+    int tangent_key;   /* enum tangent_key */
+    const char *along; /* the factor that tangents go over; NULL: none */
+};
+
+static bool drawn_find(const struct results *results, const char *quantity, struct drawn *drawn)
+{
+    *drawn = (struct drawn){.key = results_key_find(results, quantity)};
+    for (int t = 0; drawn->key < 0 && t < results->n_tangents; t++) {
+        const struct tangent *tangent = &results->tangent[t];
+        for (int k = 0; k < TANGENT_KEYS; k++) {
+            char text[2 * CONFIG_STRING_MAX];
+            tangent_key_text(results->study, tangent, (enum tangent_key)k, text, sizeof text);
+            if (strcmp(text, quantity) != 0)
+                continue;
+            drawn->tangent_key = k;
+            drawn->along = results->study->evaluation[tangent->evaluation].along;
+            return true;
+        }
+    }
+    return drawn->key >= 0;
+}
+
+/* NULL: nothing is drawn at this cell. */
+static const struct spread *drawn_at(const struct results *results, const struct drawn *drawn, int cell)
+{
+    if (drawn->key >= 0)
+        return &results->cell[cell].spread[drawn->key];
+    for (int t = 0; t < results->n_tangents; t++)
+        if (results->tangent[t].cell == cell)
+            return &results->tangent[t].spread[drawn->tangent_key];
+    return NULL;
+}
+
 static enum status points_line(struct figure_lines *lines, const struct results *results,
-                               const struct study_figure *figure, int first, int factor, int key, int colour)
+                               const struct study_figure *figure, int first, int factor, const struct drawn *drawn,
+                               int colour)
 {
     const struct study *study = results->study;
     struct figure_line *line;
@@ -246,12 +284,13 @@ static enum status points_line(struct figure_lines *lines, const struct results 
     enum status status = line_add(lines, LINE_POINTS, colour, n, &line);
     for (int k = 0; status == STATUS_OK && k < n; k++) {
         const struct cell *cell = &results->cell[member[k]];
+        const struct spread *spread = drawn_at(results, drawn, member[k]);
         line->x[k] = study->series[cell->series].factor[factor].level[cell->level[factor]].value * figure->x_scale;
-        line->y[k] = cell->spread[key].mean * figure->y_scale;
-        line->error[k] = cell->spread[key].sd * fabs(figure->y_scale);
+        line->y[k] = spread ? spread->mean * figure->y_scale : NAN;
+        line->error[k] = spread ? spread->sd * fabs(figure->y_scale) : NAN;
     }
     if (status == STATUS_OK) {
-        cell_text(study, &results->cell[first], figure->x, line->label, sizeof line->label);
+        cell_text(study, &results->cell[first], figure->x, drawn->along, line->label, sizeof line->label);
         status = paper_line(lines, results, figure, member, n, factor, colour);
     }
     free(member);
@@ -262,21 +301,22 @@ static enum status points_make(struct figure_lines *lines, const struct results 
                                const struct study_figure *figure)
 {
     const struct study *study = results->study;
-    int key = results_key_find(results, figure->y), colour = 0;
-    if (key < 0)
+    struct drawn drawn;
+    int colour = 0;
+    if (!drawn_find(results, figure->y, &drawn))
         return status_fail(STATUS_CONFIG, "%s: figure %s: %s is not among the quantities", study->path, figure->name,
                            figure->y);
     for (int c = 0; c < results->n_cells; c++) {
         const struct cell *cell = &results->cell[c];
         int factor = study_factor_find(&study->series[cell->series], figure->x);
         bool begun = false;
-        if (factor < 0 || !cell_is_drawn(study, figure, cell))
+        if (factor < 0 || !cell_is_drawn(study, figure, cell) || !drawn_at(results, &drawn, c))
             continue;
         for (int k = 0; k < c && !begun; k++)
             begun =
                 same_line(study, cell, &results->cell[k], factor) && cell_is_drawn(study, figure, &results->cell[k]);
         if (!begun)
-            TRY(points_line(lines, results, figure, c, factor, key, colour++));
+            TRY(points_line(lines, results, figure, c, factor, &drawn, colour++));
     }
     return STATUS_OK;
 }
@@ -323,7 +363,7 @@ static enum status tangent_lines(struct figure_lines *lines, const struct result
                      figure->y_scale;
         line->error[k] = NAN;
     }
-    cell_text(study, first, evaluation->along, line->label, sizeof line->label);
+    cell_text(study, first, evaluation->along, NULL, line->label, sizeof line->label);
     return STATUS_OK;
 }
 

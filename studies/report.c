@@ -122,7 +122,7 @@ static void results_print(const struct results *results)
     char text[1024], number[128];
     for (int c = 0; c < results->n_cells; c++) {
         const struct cell *cell = &results->cell[c];
-        cell_text(study, cell, NULL, text, sizeof text);
+        cell_text(study, cell, NULL, NULL, text, sizeof text);
         printf("%s: %d runs\n", text, cell->n_runs);
         for (int k = 0; k < results->key.n && cell->n_runs > 0; k++)
             printf("  %-34s %s %s\n", results->key.text[k], report_spread_text(&cell->spread[k], number, sizeof number),
@@ -130,7 +130,7 @@ static void results_print(const struct results *results)
     }
     for (int t = 0; t < results->n_tangents; t++) {
         const struct tangent *tangent = &results->tangent[t];
-        cell_text(study, &results->cell[tangent->cell], study->evaluation[tangent->evaluation].along, text,
+        cell_text(study, &results->cell[tangent->cell], study->evaluation[tangent->evaluation].along, NULL, text,
                   sizeof text);
         printf("%s:\n", text);
         for (int k = 0; k < TANGENT_KEYS; k++) {

@@ -84,7 +84,7 @@ static json_t *tangent_json(const struct results *results, const struct tangent 
         failed = json_object_set_new(numbers, key, spread_json(&tangent->spread[k], tangent_unit((enum tangent_key)k)));
     }
     char text[1024];
-    cell_text(results->study, cell, results->study->evaluation[tangent->evaluation].along, text, sizeof text);
+    cell_text(results->study, cell, results->study->evaluation[tangent->evaluation].along, NULL, text, sizeof text);
     if (failed == 0)
         return json_pack("{s:s, s:o}", "cells", text, "quantities", numbers);
     json_decref(numbers);
@@ -209,14 +209,14 @@ static void cells_csv(FILE *out, const struct report *report, const struct resul
     char text[1024], key[2 * CONFIG_STRING_MAX];
     fputs("cell,quantity,unit,samples,mean,standard_deviation,standard_error\n", out);
     for (int c = 0; c < results->n_cells; c++) {
-        cell_text(report->study, &results->cell[c], NULL, text, sizeof text);
+        cell_text(report->study, &results->cell[c], NULL, NULL, text, sizeof text);
         for (int k = 0; k < results->key.n; k++)
             spread_row(out, text, results->key.text[k], results->unit.text[k], &results->cell[c].spread[k]);
     }
     for (int t = 0; t < results->n_tangents; t++) {
         const struct tangent *tangent = &results->tangent[t];
         cell_text(report->study, &results->cell[tangent->cell], report->study->evaluation[tangent->evaluation].along,
-                  text, sizeof text);
+                  NULL, text, sizeof text);
         for (int k = 0; k < TANGENT_KEYS; k++) {
             tangent_key_text(report->study, tangent, (enum tangent_key)k, key, sizeof key);
             spread_row(out, text, key, tangent_unit((enum tangent_key)k), &tangent->spread[k]);

@@ -262,7 +262,7 @@ static void cells_print(FILE *out, const struct results *results)
     fputs("</tr>\n", out);
     for (int c = 0; c < results->n_cells; c++) {
         char text[1024];
-        cell_text(results->study, &results->cell[c], NULL, text, sizeof text);
+        cell_text(results->study, &results->cell[c], NULL, NULL, text, sizeof text);
         fputs("<tr>", out);
         cell_print(out, "td", text);
         fprintf(out, "<td class=\"n\">%d</td>", results->cell[c].n_runs);
@@ -285,7 +285,7 @@ static void tangents_print(FILE *out, const struct results *results)
         const struct tangent *tangent = &results->tangent[t];
         char text[1024], number[128];
         cell_text(results->study, &results->cell[tangent->cell], results->study->evaluation[tangent->evaluation].along,
-                  text, sizeof text);
+                  NULL, text, sizeof text);
         fputs("<tr>", out);
         cell_print(out, "td", text);
         for (int k = 0; k < TANGENT_KEYS; k++) {

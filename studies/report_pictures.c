@@ -128,7 +128,7 @@ enum status report_pictures_print(FILE *out, const struct report *report, const 
         char text[1024];
         if (!shown_find(results, &results->cell[c], &shown))
             continue;
-        cell_text(report->study, &results->cell[c], NULL, text, sizeof text);
+        cell_text(report->study, &results->cell[c], NULL, NULL, text, sizeof text);
         fputs("<details><summary>", out);
         report_text_print(out, text);
         fputs("</summary>\n", out);

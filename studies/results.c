@@ -283,7 +283,8 @@ static enum status cells_make(struct results *results)
     return STATUS_OK;
 }
 
-void cell_text(const struct study *study, const struct cell *cell, const char *without, char *text, size_t size)
+void cell_text(const struct study *study, const struct cell *cell, const char *without, const char *nor, char *text,
+               size_t size)
 {
     const struct study_series *series = &study->series[cell->series];
     size_t used = 0;
@@ -292,7 +293,7 @@ void cell_text(const struct study *study, const struct cell *cell, const char *w
         used = (size_t)snprintf(text, size, "%s", series->name);
     for (int f = 0; f < series->n_factors && used < size; f++) {
         const struct study_factor *factor = &series->factor[f];
-        if (without && strcmp(factor->name, without) == 0)
+        if ((without && strcmp(factor->name, without) == 0) || (nor && strcmp(factor->name, nor) == 0))
             continue;
         used += (size_t)snprintf(text + used, size - used, "%s%s = %s%s%s", used ? ", " : "", factor->label,
                                  factor->level[cell->level[f]].name, factor->unit[0] ? " " : "", factor->unit);

@@ -71,8 +71,9 @@ enum status results_make(struct results *results, const struct study *study, con
 
 void results_free(struct results *results);
 
-/* Text of a cell's levels: "p = 500 N/m², kc/k2 = 1"; leaves out the factor `without` (NULL: none). */
-void cell_text(const struct study *study, const struct cell *cell, const char *without, char *text, size_t size);
+/* Text of a cell's levels: "p = 500 N/m², kc/k2 = 1"; leaves out the factors `without` and `nor` (NULL: none). */
+void cell_text(const struct study *study, const struct cell *cell, const char *without, const char *nor, char *text,
+               size_t size);
 
 /* "NAME.KEY" and unit of a tangent's number. */
 void tangent_key_text(const struct study *study, const struct tangent *tangent, enum tangent_key key, char *text,

@@ -430,6 +430,40 @@ static enum status where_read(const config_setting_t *parent, const char *path, 
     return STATUS_OK;
 }
 
+/* Suffixes of the numbers that each kind of evaluation gives (enum evaluation_kind). */
+static const char *const evaluation_numbers[][4] = {
+    [EVALUATION_DECAY] = {"tau_s"},
+    [EVALUATION_SLOPE] = {"slope"},
+    [EVALUATION_TANGENT] = {"tan_phi", "friction_angle_deg", "cohesion_pa"},
+};
+
+static bool is_number_of(const struct study_evaluation *evaluation, const char *quantity)
+{
+    size_t length = strlen(evaluation->name);
+    const char *const *suffix = evaluation_numbers[evaluation->kind];
+    if (strncmp(quantity, evaluation->name, length) != 0 || quantity[length] != '.')
+        return false;
+    for (int k = 0; k < 4 && suffix[k]; k++)
+        if (strcmp(quantity + length + 1, suffix[k]) == 0)
+            return true;
+    return false;
+}
+
+/* Whether a number is one of the study's. Without `quantities` all of analysis.json are, which only runs can tell. */
+static enum status quantity_check(const struct study *study, const config_setting_t *at, const char *path,
+                                  const char *quantity)
+{
+    bool known = study->quantities.n == 0;
+    for (int k = 0; k < study->quantities.n; k++)
+        known = known || strcmp(study->quantities.text[k], quantity) == 0;
+    for (int k = 0; k < study->n_evaluations; k++)
+        known = known || is_number_of(&study->evaluation[k], quantity);
+    if (!known)
+        return config_fail(
+            at, path, "\"%s\" is neither among the quantities of the study nor a number of an evaluation", quantity);
+    return STATUS_OK;
+}
+
 static enum status papers_read(const config_setting_t *root, struct study *study)
 {
     static const char *const own[] = {"where", NULL};
@@ -442,6 +476,7 @@ static enum status papers_read(const config_setting_t *root, struct study *study
         snprintf(path, sizeof path, "paper.%d", k);
         TRY(group_read(setting, paper_keys, path, own, &study->paper[k]));
         TRY(where_read(setting, path, study, &study->paper[k].where));
+        TRY(quantity_check(study, setting, path, study->paper[k].quantity));
     }
     return STATUS_OK;
 }
@@ -478,6 +513,8 @@ static enum status evaluations_read(const config_setting_t *root, struct study *
         TRY(series_check(study, setting, path, evaluation->series));
         if (evaluation->kind == EVALUATION_TANGENT && !factor_exists(study, evaluation->along))
             return config_fail(setting, path, "along = \"%s\" is no factor of the study", evaluation->along);
+        if (evaluation->kind == EVALUATION_TANGENT)
+            TRY(quantity_check(study, setting, path, evaluation->major));
     }
     return STATUS_OK;
 }
@@ -491,6 +528,8 @@ static enum status figure_check(const struct study *study, const config_setting_
         return config_fail(at, path, "needs x and y");
     if (figure->kind == FIGURE_POINTS && !factor_exists(study, figure->x))
         return config_fail(at, path, "x = \"%s\" is no factor of the study", figure->x);
+    if (figure->kind == FIGURE_POINTS)
+        TRY(quantity_check(study, at, path, figure->y));
     if (figure->kind == FIGURE_CURVES && strcmp(figure->table, "curves.csv") != 0 &&
         strcmp(figure->table, "cycles.csv") != 0)
         return config_fail(at, path, "table must be \"curves.csv\" or \"cycles.csv\"");
@@ -532,8 +571,8 @@ static enum status study_read(const config_setting_t *root, struct study *study)
     TRY(strings_read(root, "method", "", &study->method));
     TRY(strings_read(root, "quantities", "", &study->quantities));
     TRY(all_series_read(root, study));
-    TRY(papers_read(root, study));
     TRY(evaluations_read(root, study));
+    TRY(papers_read(root, study));
     TRY(figures_read(root, study));
     if (study->score[0] && !factor_exists(study, study->score))
         return config_fail(root, "score", "\"%s\" is no factor of the study", study->score);

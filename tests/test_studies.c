@@ -67,6 +67,11 @@ static void wrong_files_are_refused(void **state)
             "table must be");
     refused("evaluate = ( { kind = \"tangent\"; name = \"t\"; along = \"p\"; } );", "no factor of the study");
     refused("score = \"p\";", "no factor of the study");
+    refused("quantities = [ \"nu\" ]; paper = ( { quantity = \"mu\"; value = 1.0; } );",
+            "neither among the quantities");
+    refused("quantities = [ \"nu\" ]; vary = ( { name = \"a\"; values = [1.0]; } );"
+            "figures = ( { kind = \"points\"; name = \"f\"; x = \"a\"; y = \"t.tau_s\"; } );",
+            "neither among the quantities");
     refused("series = ( { name = \"a\"; }, { name = \"a\"; } );", "is taken");
 }
 
