@@ -303,7 +303,8 @@ const struct key scene_keys[] = {
      "wall-clock time between checkpoints, longer where they would take more than 1 % of the run; 0: none but at stage "
      "ends"},
     {"threads", KEY_INT, OF(scene, threads), NULL, 0, 256, "0", NULL, NULL,
-     "threads of sim: speed only, never the result; 0: one below 10000 particles, else as many as there are CPUs"},
+     "threads of sim, at most: speed only, never the result; 0: one below 10000 particles, else as many as there are "
+     "CPUs. As many of them are at work as shorten a step, which sim finds out while it runs"},
     {"sample", KEY_GROUP, OF(scene, sample), NULL, 0, 0, NULL, NULL, sample_keys, ""},
     {"material", KEY_GROUP, OF(scene, material), NULL, 0, 0, NULL, NULL, material_keys, ""},
     {"walls", KEY_GROUP, 0, NULL, 0, 0, NULL, NULL, scene_walls_keys, ""},

@@ -63,6 +63,7 @@ static void sweeping_steps(struct fixture *f)
 /* Positions, velocities, rotations, walls, and the energy ledger, whose sums have a fixed order too. */
 static void any_number_gives_the_same_bits(void **state)
 {
+    static const int numbers[] = {1, 2, 3, 5, 8, 16};
     (void)state;
     for (int model = 0; model < 4; model++) {
         const int dimension = 2 + model / 2;
@@ -72,12 +73,12 @@ static void any_number_gives_the_same_bits(void **state)
         assert_int_equal(one.sample->threads.n, 1);
         assert_true(one.sample->threads.n_cuts > 1 && one.sample->pairs.count > LARGE);
         assert_true(one.sample->verlet.rebuilds > 4);
-        for (int threads = 1; threads <= 4; threads++) {
+        for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+            const int threads = numbers[k];
             struct fixture many = crowd(dimension, LARGE, threads, precision);
             sweeping_steps(&many);
-#ifndef __SANITIZE_THREAD__
-            assert_int_equal(many.sample->threads.n, threads);
-#endif
+            assert_int_equal(many.sample->threads.n,
+                             threads < many.sample->threads.n_parts ? threads : many.sample->threads.n_parts);
             assert_true(sample_hash(sample_complete(one.sample)) == sample_hash(sample_complete(many.sample)));
             assert_true(same_losses(&one.sample->ledger, &many.sample->ledger));
             fixture_close(&many);

@@ -1,8 +1,8 @@
 #include "sim/sample/threads.h"
 
-#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "sim/base/aligned_array.h"
 
@@ -26,11 +26,10 @@ enum status threads_init(struct threads *threads, const struct particles *p, int
     if (p->count < PARTICLES_LARGE_SAMPLE)
         return STATUS_OK;
     threads->n_parts = (p->count + SPAN_WIDTH - 1) / SPAN_WIDTH;
-    int n = wanted > 0 ? (int)wanted : omp_get_num_procs();
+    const int n = wanted > TEAM_MAX ? TEAM_MAX : wanted > 0 ? (int)wanted : team_cpus();
     threads->n = n < threads->n_parts ? n : threads->n_parts;
-#ifdef __SANITIZE_THREAD__
-    threads->n = 1; /* the sanitizer does not see the barriers of OpenMP's library */
-#endif
+    threads->choice = thread_choice_of(threads->n);
+    TRY(team_create(&threads->team, threads->n));
     threads->piece = calloc(PIECES_MAX, sizeof *threads->piece);
     threads->part = calloc((size_t)threads->n_parts, sizeof *threads->part);
     return threads->piece && threads->part ? STATUS_OK : no_memory();
@@ -38,6 +37,7 @@ enum status threads_init(struct threads *threads, const struct particles *p, int
 
 void threads_free(struct threads *threads)
 {
+    team_free(threads->team);
     free(threads->piece);
     free(threads->part);
     memset(threads, 0, sizeof *threads);
@@ -184,7 +184,7 @@ static struct particles part_of(const struct particles *p, int q)
     return part;
 }
 
-/* What a thread is at work on. */
+/* What the threads are at work on. */
 struct work {
     struct threads *threads;
     const struct kernels *kernels;
@@ -193,6 +193,7 @@ struct work {
     const struct contact_law_constants *law;
     double dt_s;
     const struct threads_sweep *sweep; /* NULL: pairs alone */
+    int turn;                          /* pieces 2 k + turn */
 };
 
 static void advance_part(const struct work *work, int q)
@@ -220,17 +221,19 @@ static void go_through_piece(const struct work *work, int k)
     }
 }
 
+static void go_through_turn(void *context, int k)
+{
+    const struct work *work = context;
+    go_through_piece(work, 2 * k + work->turn);
+}
+
 /* All pieces, the even ones first. */
-static void go_through_pieces(const struct work *work, struct contact_losses *losses)
+static void go_through_pieces(struct work *work, struct contact_losses *losses)
 {
     struct threads *threads = work->threads;
     const int n = threads->n_cuts;
-#pragma omp parallel num_threads(threads->n) if (n > 1)
-    for (int turn = 0; turn < 2; turn++) {
-#pragma omp for schedule(dynamic, 1)
-        for (int k = turn; k < n; k += 2)
-            go_through_piece(work, k);
-    }
+    for (work->turn = 0; work->turn < 2; work->turn++)
+        team_run(threads->team, (n + 1 - work->turn) / 2, go_through_turn, work);
     for (int k = 0; k < n; k++)
         contact_losses_add(losses, &threads->piece[k].losses);
 }
@@ -239,26 +242,43 @@ void threads_pair(struct threads *threads, const struct kernels *kernels, struct
                   struct contact_list *pairs, const struct contact_law_constants *law, double dt_s,
                   struct contact_losses *losses)
 {
-    const struct work work = {threads, kernels, p, pairs, law, dt_s, NULL};
+    struct work work = {threads, kernels, p, pairs, law, dt_s, NULL, 0};
     if (threads->n_parts == 1)
         kernels->pair(p, pairs, 0, pairs->slots.n_spans, law, dt_s, p->force, losses);
     else
         go_through_pieces(&work, losses);
 }
 
-bool threads_drift(const struct threads *threads, const struct kernels *kernels, struct particles *p, double dt_s,
+struct drift_work {
+    struct threads *threads;
+    const struct kernels *kernels;
+    struct particles *particles;
+    double dt_s, before_s, reach_m;
+};
+
+static void drift_part(void *context, int q)
+{
+    const struct drift_work *work = context;
+    struct particles part = part_of(work->particles, q);
+    work->threads->part[q].far = work->kernels->drift(&part, work->dt_s, work->before_s, work->reach_m);
+}
+
+static bool any_far(const struct threads *threads)
+{
+    bool far = false;
+    for (int q = 0; q < threads->n_parts; q++)
+        far = far || threads->part[q].far;
+    return far;
+}
+
+bool threads_drift(struct threads *threads, const struct kernels *kernels, struct particles *p, double dt_s,
                    double before_s, double reach_m)
 {
-    const int n = threads->n_parts;
-    if (n == 1)
+    struct drift_work work = {threads, kernels, p, dt_s, before_s, reach_m};
+    if (threads->n_parts == 1)
         return kernels->drift(p, dt_s, before_s, reach_m);
-    bool far = false;
-#pragma omp parallel for schedule(static) num_threads(threads->n) reduction(|| : far)
-    for (int q = 0; q < n; q++) {
-        struct particles part = part_of(p, q);
-        far = kernels->drift(&part, dt_s, before_s, reach_m) || far;
-    }
-    return far;
+    team_run(threads->team, threads->n_parts, drift_part, &work);
+    return any_far(threads);
 }
 
 static double sum_power(const struct threads *threads)
@@ -269,45 +289,61 @@ static double sum_power(const struct threads *threads)
     return sum;
 }
 
+struct kick_work {
+    struct threads *threads;
+    const struct kernels *kernels;
+    struct particles *particles;
+    const struct kick_constants *constants;
+};
+
+static void kick_part(void *context, int q)
+{
+    const struct kick_work *work = context;
+    struct particles part = part_of(work->particles, q);
+    work->threads->part[q].power = work->kernels->kick(&part, work->constants);
+}
+
 double threads_kick(struct threads *threads, const struct kernels *kernels, struct particles *p,
                     const struct kick_constants *constants)
 {
-    const int n = threads->n_parts;
-    if (n == 1)
+    struct kick_work work = {threads, kernels, p, constants};
+    if (threads->n_parts == 1)
         return kernels->kick(p, constants);
-#pragma omp parallel for schedule(static) num_threads(threads->n)
-    for (int q = 0; q < n; q++) {
-        struct particles part = part_of(p, q);
-        threads->part[q].power = kernels->kick(&part, constants);
-    }
+    team_run(threads->team, threads->n_parts, kick_part, &work);
     return sum_power(threads);
 }
 
 /* Parts that no piece has gone on with: all, without a sweep. */
-static void advance_rest(const struct work *work)
+static void advance_if_left(void *context, int q)
 {
+    const struct work *work = context;
     const struct threads *threads = work->threads;
-#pragma omp parallel for schedule(static) num_threads(threads->n)
-    for (int q = 0; q < threads->n_parts; q++)
-        if (!threads->sweeps || threads->part[q].piece < 0)
-            advance_part(work, q);
+    if (!threads->sweeps || threads->part[q].piece < 0)
+        advance_part(work, q);
+}
+
+static double now_s(void)
+{
+    struct timespec t;
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 bool threads_sweep(struct threads *threads, const struct kernels *kernels, struct particles *p,
                    struct contact_list *pairs, const struct threads_sweep *sweep, struct contact_losses *losses,
                    double *background_w)
 {
-    const struct work work = {threads, kernels, p, pairs, sweep->law, sweep->dt_s, threads->sweeps ? sweep : NULL},
-                      rest = {threads, kernels, p, pairs, sweep->law, sweep->dt_s, sweep};
-    bool far = false;
+    struct work work = {threads, kernels, p, pairs, sweep->law, sweep->dt_s, threads->sweeps ? sweep : NULL, 0},
+                rest = {threads, kernels, p, pairs, sweep->law, sweep->dt_s, sweep, 0};
     if (threads->n_parts == 1) {
         kernels->pair(p, pairs, 0, pairs->slots.n_spans, sweep->law, sweep->dt_s, p->force, losses);
         return kernels->advance(p, sweep->kick, sweep->dt_s, sweep->reach_m, background_w);
     }
+    const double start = now_s();
     go_through_pieces(&work, losses);
-    advance_rest(&rest);
-    for (int q = 0; q < threads->n_parts; q++)
-        far = far || threads->part[q].far;
+    team_run(threads->team, threads->n_parts, advance_if_left, &rest);
     *background_w = sum_power(threads);
-    return far;
+    thread_choice_step(&threads->choice, now_s() - start);
+    team_use(threads->team, threads->choice.use);
+    return any_far(threads);
 }

@@ -4,7 +4,9 @@
 #ifndef SHAKEDOWN_SIM_SAMPLE_THREADS_H
 #define SHAKEDOWN_SIM_SAMPLE_THREADS_H
 
+#include "sim/base/team.h"
 #include "sim/kernels/kernels.h"
+#include "sim/sample/thread_choice.h"
 
 /* Of the list: the spans of one piece, and the first and the last row of the particles that they touch. */
 struct threads_piece {
@@ -22,7 +24,9 @@ struct threads_part {
 };
 
 struct threads {
-    int n;                       /* threads */
+    int n;                       /* threads, at most */
+    struct thread_choice choice; /* how many of them */
+    struct team *team;           /* NULL: a small sample */
     int n_parts;                 /* of the particles; 1: a small sample, in one go */
     int n_cuts;                  /* of the pairs; 1: in one go, as particles in no order in space are */
     bool sweeps;                 /* a step goes on with a part as soon as its sums are complete */
@@ -30,7 +34,7 @@ struct threads {
     struct threads_part *part;   /* [n_parts] */
 };
 
-/* As many threads as wanted; 0: as the number of particles and the CPUs of this process suggest. Errors:
+/* At most as many threads as wanted; 0: as the number of particles and the CPUs of this process suggest. Errors:
  * STATUS_NO_MEMORY. */
 enum status threads_init(struct threads *threads, const struct particles *particles, int64_t wanted) MUST_USE;
 void threads_free(struct threads *threads);
@@ -42,8 +46,8 @@ void threads_cut(struct threads *threads, const struct particles *particles, str
 void threads_pair(struct threads *threads, const struct kernels *kernels, struct particles *particles,
                   struct contact_list *pairs, const struct contact_law_constants *law, double dt_s,
                   struct contact_losses *losses);
-bool threads_drift(const struct threads *threads, const struct kernels *kernels, struct particles *particles,
-                   double dt_s, double before_s, double reach_m);
+bool threads_drift(struct threads *threads, const struct kernels *kernels, struct particles *particles, double dt_s,
+                   double before_s, double reach_m);
 double threads_kick(struct threads *threads, const struct kernels *kernels, struct particles *particles,
                     const struct kick_constants *constants);
 
