@@ -257,10 +257,16 @@ static bool is_optional(enum observable observable)
            observable == OBSERVABLE_ELASTIC_TANGENTIAL;
 }
 
+/* In files of earlier versions the samples stand where the frames' now do. */
+static const char *samples_root(hid_t file)
+{
+    return H5Lexists(file, "/samples", H5P_DEFAULT) > 0 ? "/samples" : "/observables";
+}
+
 static bool is_absent(hid_t file, enum observable observable)
 {
     char group[160];
-    snprintf(group, sizeof group, "/observables/%s", observables[observable].name);
+    snprintf(group, sizeof group, "%s/%s", samples_root(file), observables[observable].name);
     return is_optional(observable) && H5Lexists(file, group, H5P_DEFAULT) == 0;
 }
 
@@ -283,22 +289,25 @@ static enum status times_check(const char *path, const struct run *run)
     for (size_t k = 0; k < run->n_samples; k++) {
         const double stage_time = run->value[OBSERVABLE_STAGE_TIME][k];
         if (!(fabs(run->step[k]) < step_max) || !isfinite(run->time_s[k]) || !isfinite(stage_time))
-            return status_fail(STATUS_FORMAT, "%s: /observables/stage: record %zu has no step or no time", path, k);
+            return status_fail(STATUS_FORMAT, "%s: /samples/stage: record %zu has no step or no time", path, k);
     }
     return STATUS_OK;
 }
 
 static enum status observables_read(hid_t file, const char *path, struct run *run)
 {
+    const char *root = samples_root(file);
     char object[160];
     size_t count = 0;
     run->n_samples = SIZE_MAX;
-    TRY(dataset_read(file, path, "/observables/stage/step", 1, &run->step, &count));
-    TRY(length_take(run, path, "/observables/stage/step", count));
-    TRY(dataset_read(file, path, "/observables/stage/time", 1, &run->time_s, &count));
-    TRY(length_take(run, path, "/observables/stage/time", count));
+    snprintf(object, sizeof object, "%s/stage/step", root);
+    TRY(dataset_read(file, path, object, 1, &run->step, &count));
+    TRY(length_take(run, path, object, count));
+    snprintf(object, sizeof object, "%s/stage/time", root);
+    TRY(dataset_read(file, path, object, 1, &run->time_s, &count));
+    TRY(length_take(run, path, object, count));
     for (int k = 0; k < OBSERVABLES; k++) {
-        snprintf(object, sizeof object, "/observables/%s/value", observables[k].name);
+        snprintf(object, sizeof object, "%s/%s/value", root, observables[k].name);
         run->width[k] = shape_width(observables[k].shape, run->dimension);
         if (is_absent(file, k))
             continue;
@@ -318,7 +327,7 @@ static enum status boxes_check(const char *path, const struct run *run)
 {
     for (size_t k = 0; k < run->n_samples * run->width[OBSERVABLE_BOX_LENGTH]; k++)
         if (!(run->value[OBSERVABLE_BOX_LENGTH][k] > 0) || !isfinite(run->value[OBSERVABLE_BOX_LENGTH][k]))
-            return status_fail(STATUS_FORMAT, "%s: /observables/box_length_m/value: record %zu is not positive", path,
+            return status_fail(STATUS_FORMAT, "%s: /samples/box_length_m/value: record %zu is not positive", path,
                                k / run->width[OBSERVABLE_BOX_LENGTH]);
     return STATUS_OK;
 }

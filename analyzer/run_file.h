@@ -1,5 +1,5 @@
 /* What the analyzer takes from one run.h5 (docs/file-format.md): the parameters, the scene in force and the
- * observables. Frames of particles and contacts are not read. */
+ * samples. Frames of particles and contacts are not read. */
 #ifndef SHAKEDOWN_ANALYZER_RUN_FILE_H
 #define SHAKEDOWN_ANALYZER_RUN_FILE_H
 
@@ -13,7 +13,7 @@
 /* Width of one record of an observable in a run of dimension D. */
 enum observable_shape { SHAPE_SCALAR, SHAPE_VECTOR, SHAPE_TENSOR }; /* 1, D, D x D */
 
-/* id, name under /observables (the field of sample_t), shape */
+/* id, name under /samples (the field of sample_t), shape */
 #define OBSERVABLE_LIST(X)                                                                                             \
     X(STAGE, "stage", SHAPE_SCALAR)                                                                                    \
     X(STAGE_TIME, "stage_time_s", SHAPE_SCALAR)                                                                        \

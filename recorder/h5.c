@@ -175,6 +175,16 @@ enum status h5_series_append(struct h5_series *series, hsize_t rows, const void 
     return STATUS_OK;
 }
 
+enum status h5_series_row_read(const struct h5_series *series, hsize_t row, void *data)
+{
+    const hsize_t start[H5_RANK_MAX] = {row}, count[H5_RANK_MAX] = {1, series->dims[1], series->dims[2]};
+    hid_t space = H5Dget_space(series->id), memory = H5Screate_simple(series->rank, count, NULL);
+    bool ok = space >= 0 && memory >= 0 && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+              H5Dread(series->id, series->type, memory, space, H5P_DEFAULT, data) >= 0;
+    enum status status = release(check(ok, "read", "run.h5"), memory, H5Sclose, "run.h5");
+    return release(status, space, H5Sclose, "run.h5");
+}
+
 enum status h5_series_close(struct h5_series *series)
 {
     hid_t id = series->id;

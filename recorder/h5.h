@@ -52,6 +52,9 @@ enum status h5_series_create(hid_t file, const char *path, hid_t type, int rank,
 
 /* Appends `rows` rows from `data` [rows][row_dims...]. */
 enum status h5_series_append(struct h5_series *series, hsize_t rows, const void *data) MUST_USE;
+
+/* Reads row `row`, which is written. */
+enum status h5_series_row_read(const struct h5_series *series, hsize_t row, void *data) MUST_USE;
 enum status h5_series_close(struct h5_series *series) MUST_USE;
 
 /* Gives row `row` of a series of rank 3, already written, a path of its own (a virtual dataset, no copy), for readers

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "recorder/h5.h"
+#include "recorder/observed.h"
 #include "recorder/table.h"
 
 /* Wall rows come at up to 20 kHz: compressed fast, in whole chunks. Sample rows are few and are wanted after a kill. */
@@ -14,6 +15,7 @@ enum { WALL_DEFLATE = 1, FRAME_DEFLATE = 4, FRAME_CHUNK_PARTICLES = 16384 };
 
 #define TRAJECTORY  "/particles/trajectory"
 #define OBSERVABLES "/observables"
+#define SAMPLES     "/samples"
 #define CONTACTS    "/connectivity/contacts"
 
 /* Series other than tables, with one row per frame or per contact. */
@@ -90,6 +92,8 @@ struct run_writer {
     double radius_max_m;
     struct h5_series series[N_SERIES];
     struct table *samples;
+    struct table *observables; /* of the samples, those at the frames */
+    struct observed observed;
     struct table *wall_states, *wall_commands; /* NULL: not recorded */
     int64_t contacts;
     struct h5_series notes;
@@ -204,16 +208,25 @@ static enum status run_create(hid_t file, const shakedown_run_info_t *info)
     return h5_text_write(file, "/run/effective_config", info->effective_config);
 }
 
-/* H5MD's observables: a group per field; step and time are those of the stage, and have a second name in every group.
- */
-static void sample_path(const char *field_name, char path[TABLE_PATH_MAX])
+/* A group per field; step and time are those of the stage, and have a second name in every group. */
+static void sample_path_in(const char *root, const char *field_name, char path[TABLE_PATH_MAX])
 {
     if (strcmp(field_name, "step") == 0)
-        snprintf(path, TABLE_PATH_MAX, OBSERVABLES "/stage/step");
+        snprintf(path, TABLE_PATH_MAX, "%s/stage/step", root);
     else if (strcmp(field_name, "time_s") == 0)
-        snprintf(path, TABLE_PATH_MAX, OBSERVABLES "/stage/time");
+        snprintf(path, TABLE_PATH_MAX, "%s/stage/time", root);
     else
-        snprintf(path, TABLE_PATH_MAX, OBSERVABLES "/%s/value", field_name);
+        snprintf(path, TABLE_PATH_MAX, "%s/%s/value", root, field_name);
+}
+
+static void sample_path(const char *field_name, char path[TABLE_PATH_MAX])
+{
+    sample_path_in(SAMPLES, field_name, path);
+}
+
+static void observable_path(const char *field_name, char path[TABLE_PATH_MAX])
+{
+    sample_path_in(OBSERVABLES, field_name, path);
 }
 
 static void wall_state_path(const char *field_name, char path[TABLE_PATH_MAX])
@@ -226,32 +239,38 @@ static void wall_command_path(const char *field_name, char path[TABLE_PATH_MAX])
     snprintf(path, TABLE_PATH_MAX, "/walls/command/%s", field_name);
 }
 
-static enum status sample_links_create(hid_t file, const char *field_name)
+static enum status sample_links_create(hid_t file, const char *root, const char *field_name)
 {
-    char path[TABLE_PATH_MAX];
-    snprintf(path, sizeof path, OBSERVABLES "/%s/step", field_name);
-    TRY(h5_link(file, OBSERVABLES "/stage/step", path));
-    snprintf(path, sizeof path, OBSERVABLES "/%s/time", field_name);
-    return h5_link(file, OBSERVABLES "/stage/time", path);
+    char path[TABLE_PATH_MAX], target[TABLE_PATH_MAX];
+    sample_path_in(root, "step", target);
+    snprintf(path, sizeof path, "%s/%s/step", root, field_name);
+    TRY(h5_link(file, target, path));
+    sample_path_in(root, "time_s", target);
+    snprintf(path, sizeof path, "%s/%s/time", root, field_name);
+    return h5_link(file, target, path);
 }
 
-static struct table_options samples_options(const struct run_writer *writer)
+static enum status samples_links_create(hid_t file, const char *root)
 {
-    return (struct table_options){
-        .fields = sample_fields, .dimension = writer->facts.dimension, .block = SAMPLE_BLOCK, .path = sample_path};
-}
-
-static enum status samples_create(struct run_writer *writer)
-{
-    const struct table_options options = samples_options(writer);
-    TRY(table_create(&writer->samples, writer->file, &options));
     for (const struct field *field = sample_fields; field->name; field++) {
         bool is_own =
             strcmp(field->name, "step") == 0 || strcmp(field->name, "time_s") == 0 || strcmp(field->name, "stage") == 0;
         if (!is_own)
-            TRY(sample_links_create(writer->file, field->name));
+            TRY(sample_links_create(file, root, field->name));
     }
     return STATUS_OK;
+}
+
+static enum status samples_create(struct run_writer *writer)
+{
+    struct table_options options = {
+        .fields = sample_fields, .dimension = writer->facts.dimension, .block = SAMPLE_BLOCK, .path = sample_path};
+    TRY(table_create(&writer->samples, writer->file, &options));
+    TRY(samples_links_create(writer->file, SAMPLES));
+    options.path = observable_path;
+    options.block = FRAME_BLOCK;
+    TRY(table_create(&writer->observables, writer->file, &options));
+    return samples_links_create(writer->file, OBSERVABLES);
 }
 
 static struct table_options walls_options(const struct run_writer *writer, bool commands)
@@ -350,6 +369,7 @@ enum status run_writer_particles(struct run_writer *writer, const struct particl
 
 enum status run_writer_sample(struct run_writer *writer, const shakedown_sample_t *sample)
 {
+    TRY(observed_sample(&writer->observed, (struct moment){sample->step, sample->stage}));
     return table_append(writer->samples, sample);
 }
 
@@ -433,6 +453,7 @@ enum status run_writer_particle_frame(struct run_writer *writer, const struct pa
                                {SERIES_STEP, &frame->place.step},
                                {N_SERIES, NULL}};
     TRY(rows_append(writer, rows, 1));
+    TRY(observed_frame(&writer->observed, (struct moment){frame->place.step, frame->stage}));
     return frame_link(writer);
 }
 
@@ -456,10 +477,19 @@ enum status run_writer_contact_frame(struct run_writer *writer, const struct con
     return STATUS_OK;
 }
 
+static enum status observables_write(struct run_writer *writer, bool last)
+{
+    int64_t sample;
+    while (observed_next(&writer->observed, last, &sample))
+        TRY(table_row_copy(writer->observables, writer->samples, sample));
+    return STATUS_OK;
+}
+
 static enum status tables_flush(struct run_writer *writer, bool last)
 {
-    struct table *tables[] = {writer->samples, writer->wall_states, writer->wall_commands};
-    for (int k = 0; k < 3; k++) {
+    struct table *tables[] = {writer->samples, writer->observables, writer->wall_states, writer->wall_commands};
+    TRY(observables_write(writer, last));
+    for (size_t k = 0; k < sizeof tables / sizeof *tables; k++) {
         if (tables[k])
             TRY(table_flush(tables[k], last));
     }
@@ -515,6 +545,7 @@ static enum status all_close(struct run_writer *writer)
     if (H5Tclose(writer->note_type) < 0)
         return status_fail(STATUS_IO, "run.h5: a type cannot be closed");
     TRY(table_close(writer->samples));
+    TRY(table_close(writer->observables));
     TRY(table_close(writer->wall_states));
     TRY(table_close(writer->wall_commands));
     return h5_file_close(writer->file);
@@ -523,6 +554,8 @@ static enum status all_close(struct run_writer *writer)
 static void writer_free(struct run_writer *writer)
 {
     table_free(writer->samples);
+    table_free(writer->observables);
+    observed_free(&writer->observed);
     table_free(writer->wall_states);
     table_free(writer->wall_commands);
     free(writer);

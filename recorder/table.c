@@ -89,6 +89,13 @@ static enum status write_waiting(struct table *table)
     return STATUS_OK;
 }
 
+static enum status row_taken(struct table *table)
+{
+    table->waiting++;
+    bool at_chunk_end = (table->written + table->waiting) % table->block == 0;
+    return at_chunk_end ? write_waiting(table) : STATUS_OK;
+}
+
 enum status table_append(struct table *table, const void *message)
 {
     for (size_t c = 0; c < table->n_columns; c++) {
@@ -98,9 +105,24 @@ enum status table_append(struct table *table, const void *message)
             memcpy(&source, source, sizeof source);
         memcpy(column->buffer + table->waiting * column->row_size, source, column->row_size);
     }
-    table->waiting++;
-    bool at_chunk_end = (table->written + table->waiting) % table->block == 0;
-    return at_chunk_end ? write_waiting(table) : STATUS_OK;
+    return row_taken(table);
+}
+
+static enum status value_copy(const struct column *from, const struct table *table, hsize_t row, void *value)
+{
+    if (row < table->written)
+        return h5_series_row_read(&from->series, row, value);
+    memcpy(value, from->buffer + (row - table->written) * from->row_size, from->row_size);
+    return STATUS_OK;
+}
+
+enum status table_row_copy(struct table *table, const struct table *from, int64_t row)
+{
+    for (size_t c = 0; c < table->n_columns; c++) {
+        struct column *column = &table->columns[c];
+        TRY(value_copy(&from->columns[c], from, (hsize_t)row, column->buffer + table->waiting * column->row_size));
+    }
+    return row_taken(table);
 }
 
 enum status table_flush(struct table *table, bool last)

@@ -24,6 +24,9 @@ enum status table_create(struct table **table, hid_t file, const struct table_op
 /* Takes one message (the generated struct, with arrays as wide as the fields say); writes a block when it is full. */
 enum status table_append(struct table *table, const void *message) MUST_USE;
 
+/* Takes row `row` of another table of the same fields. */
+enum status table_row_copy(struct table *table, const struct table *from, int64_t row) MUST_USE;
+
 /* Writes what waits. A compressed table writes whole blocks only, unless `last`: a block that is compressed again may
  * not fit where it was. */
 enum status table_flush(struct table *table, bool last) MUST_USE;

@@ -195,7 +195,7 @@ static int64_t rows_of(hid_t file, const char *path)
 static void look_inside(struct inspection *at, hid_t file)
 {
     const int64_t complete = root_number(file, "complete"), status = root_number(file, "status");
-    const int64_t samples = rows_of(file, "/observables/stage/value");
+    const int64_t samples = rows_of(file, "/samples/stage/value");
     if (H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at_object, at) < 0)
         found(at, &at->damaged, "its objects cannot all be visited");
     fprintf(at->out, "  complete %" PRId64 ", %" PRId64 " samples, %" PRId64 " frames\n", complete, samples,

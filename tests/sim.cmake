@@ -16,6 +16,7 @@ endforeach()
 # The real processes. 125: no private network namespace to be had here; in_namespace.sh says why.
 add_executable(test_sim_pipeline ${CMAKE_CURRENT_LIST_DIR}/test_sim_pipeline.c)
 target_link_libraries(test_sim_pipeline PRIVATE shakedown_common PkgConfig::CMOCKA)
+target_compile_definitions(test_sim_pipeline PRIVATE SAME_DATA_SCRIPT="${CMAKE_CURRENT_LIST_DIR}/same_data.sh")
 add_test(NAME sim_pipeline
          COMMAND ${CMAKE_CURRENT_LIST_DIR}/in_namespace.sh $<TARGET_FILE:test_sim_pipeline> $<TARGET_FILE:sim>
                  $<TARGET_FILE:wallctl> $<TARGET_FILE:recorder> ${CMAKE_CURRENT_LIST_DIR}/scenes/small.cfg)

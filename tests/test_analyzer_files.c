@@ -1,6 +1,7 @@
 /* The reader against damaged files, what the analyzer writes, and the program as a whole. */
 #include "test_analyzer_fixture.h"
 
+#include <hdf5.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -83,9 +84,9 @@ static void missing_parts(void **state)
     const struct place *place = *state;
     assert_refused(place->directory, STATUS_IO, "No such file");
     biaxial_written(place->directory, true, &(struct flaw){.omit = "stress_wall_pa"});
-    assert_refused(place->directory, STATUS_FORMAT, "/observables/stress_wall_pa/value: missing");
+    assert_refused(place->directory, STATUS_FORMAT, "/samples/stress_wall_pa/value: missing");
     biaxial_written(place->directory, true, &(struct flaw){.misshape = "fabric"});
-    assert_refused(place->directory, STATUS_FORMAT, "/observables/fabric/value: wrong shape");
+    assert_refused(place->directory, STATUS_FORMAT, "/samples/fabric/value: wrong shape");
     biaxial_written(place->directory, true, &(struct flaw){.attribute = "effective_config"});
     assert_refused(place->directory, STATUS_FORMAT, "effective_config: missing");
     biaxial_written(place->directory, true, &(struct flaw){.attribute = "seed"});
@@ -113,7 +114,26 @@ static void of_an_earlier_version(void **state)
     analysis_free(&now);
     analysis_free(&then);
     biaxial_written(place->directory, true, &(struct flaw){.omit = "interface_residual_j"});
-    assert_refused(place->directory, STATUS_FORMAT, "/observables/interface_residual_j/value: missing");
+    assert_refused(place->directory, STATUS_FORMAT, "/samples/interface_residual_j/value: missing");
+}
+
+/* A file of a version that had the samples where the frames' now are. */
+static void samples_where_they_were(void **state)
+{
+    const struct place *place = *state;
+    struct analysis now, then;
+    char path[512];
+    biaxial_written(place->directory, true, NULL);
+    assert_int_equal(analysis_make(&now, place->directory, NULL), STATUS_OK);
+    snprintf(path, sizeof path, "%s/run.h5", place->directory);
+    hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+    assert_true(H5Lmove(file, "/samples", file, "/observables", H5P_DEFAULT, H5P_DEFAULT) >= 0);
+    assert_true(H5Fclose(file) >= 0);
+    assert_int_equal(analysis_make(&then, place->directory, NULL), STATUS_OK);
+    for (int id = 0; id < QUANTITIES; id++)
+        assert_true(isnan(now.quantity[id].value) || then.quantity[id].value == now.quantity[id].value);
+    analysis_free(&now);
+    analysis_free(&then);
 }
 
 /* Cut at every tenth of its length, and not HDF5 at all: refused or read, never a crash; the head alone is refused. */
@@ -155,7 +175,7 @@ static void unequal_lengths(void **state)
     char path[512];
     snprintf(path, sizeof path, "%s/run.h5", place->directory);
     biaxial_written(place->directory, true, &(struct flaw){.shorten = "fabric"});
-    assert_refused(place->directory, STATUS_FORMAT, "/observables/fabric/value: 505 records where the others have 506");
+    assert_refused(place->directory, STATUS_FORMAT, "/samples/fabric/value: 505 records where the others have 506");
     biaxial_written(place->directory, false, &(struct flaw){.shorten = "fabric"});
     assert_int_equal(run_read(&run, path), STATUS_OK);
     assert_int_equal(run.n_samples, 505);
@@ -375,6 +395,7 @@ int main(int argc, char **argv)
         cmocka_unit_test_setup_teardown(reads_back, setup, teardown),
         cmocka_unit_test_setup_teardown(missing_parts, setup, teardown),
         cmocka_unit_test_setup_teardown(of_an_earlier_version, setup, teardown),
+        cmocka_unit_test_setup_teardown(samples_where_they_were, setup, teardown),
         cmocka_unit_test_setup_teardown(truncated, setup, teardown),
         cmocka_unit_test_setup_teardown(wrong_content, setup, teardown),
         cmocka_unit_test_setup_teardown(unequal_lengths, setup, teardown),

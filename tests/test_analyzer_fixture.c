@@ -206,12 +206,12 @@ void fixture_write(const struct run *run, const char *config, const char *direct
     if (run->complete)
         number_write(file, "elapsed_s", H5T_NATIVE_DOUBLE, &run->elapsed_s);
     parameters_write(file, run, config, flaw);
-    dataset_write(file, "/observables/stage/step", run->n_samples, 1, run->step);
-    dataset_write(file, "/observables/stage/time", run->n_samples, 1, run->time_s);
+    dataset_write(file, "/samples/stage/step", run->n_samples, 1, run->step);
+    dataset_write(file, "/samples/stage/time", run->n_samples, 1, run->time_s);
     for (int k = 0; k < OBSERVABLES; k++) {
         const char *name = observables[k].name;
         size_t n = run->n_samples - (same(flaw->shorten, name) ? 1 : 0);
-        snprintf(path, sizeof path, "/observables/%s/value", name);
+        snprintf(path, sizeof path, "/samples/%s/value", name);
         if (same(flaw->huge, name)) {
             huge_write(file, path, run->width[k]);
         } else if (same(flaw->misshape, name)) {

@@ -211,7 +211,7 @@ static void hostile_extent(void **state)
     run_free(&run);
     snprintf(path, sizeof path, "%s/run.h5", directory);
     assert_int_equal(run_read(&run, path), STATUS_FORMAT);
-    assert_non_null(strstr(status_message(), "/observables/fabric/value: claims 1099511627776 records"));
+    assert_non_null(strstr(status_message(), "/samples/fabric/value: claims 1099511627776 records"));
     fixture_directory_remove(directory);
 }
 

@@ -74,4 +74,14 @@ if command -v octave-cli >/dev/null; then
 else
     echo "SKIPPED: Octave is not installed"
 fi
+# Node.js looks for modules beside the script alone: those that npm installed for all are linked there.
+modules=$(npm root -g 2>/dev/null)
+if command -v node >/dev/null && [ -d "$modules/h5wasm" ]; then
+    ln -s "$modules" node_modules
+    example javascript 'import h5wasm' >example.mjs
+    try h5wasm '^complete 1 status 0' node example.mjs
+    grep -q '^contacts of the last frame [1-9]' said.txt || fail "h5wasm finds no contacts"
+else
+    echo "SKIPPED: h5wasm is not installed (npm install -g h5wasm)"
+fi
 [ $tried -gt 0 ] || exit 125

@@ -12,6 +12,7 @@
 #include "common/coupling.h"
 #include "common/message.h"
 #include "recorder/convert.h"
+#include "recorder/observed.h"
 #include "test_recorder_read.h"
 #include "test_recorder_synthetic.h"
 
@@ -78,12 +79,12 @@ static size_t find(const struct synthetic_run *run, int kind, int n)
 
 static void check_samples(hid_t file, const struct synthetic_options *options)
 {
-    double *strain = read_values(file, "/observables/strain/value");
-    double *step = read_values(file, "/observables/strain/step");
-    double *time_s = read_values(file, "/observables/stage/time");
-    double *contacts = read_values(file, "/observables/n_contacts/value");
-    double *last = read_values(file, "/observables/interface_residual_j/value");
-    assert_int_equal(read_rows(file, "/observables/strain/value"), options->n_samples);
+    double *strain = read_values(file, "/samples/strain/value");
+    double *step = read_values(file, "/samples/strain/step");
+    double *time_s = read_values(file, "/samples/stage/time");
+    double *contacts = read_values(file, "/samples/n_contacts/value");
+    double *last = read_values(file, "/samples/interface_residual_j/value");
+    assert_int_equal(read_rows(file, "/samples/strain/value"), options->n_samples);
     for (int s = 0; s < options->n_samples; s++) {
         for (int axis = 0; axis < options->dimension; axis++)
             assert_true(strain[s * options->dimension + axis] == synthetic_strain(s, axis));
@@ -118,6 +119,24 @@ static void check_frames(hid_t file, const struct synthetic_options *options)
     free(position);
     free(edges);
     free(lo);
+}
+
+/* The frames' samples: frame f is at step 100 f, sample s at step 10 s. */
+static void check_observables(hid_t file, const struct synthetic_options *options)
+{
+    double *strain = read_values(file, "/observables/strain/value");
+    double *step = read_values(file, "/observables/strain/step");
+    const int rows = options->n_samples > 0 ? options->n_frames : 0;
+    assert_int_equal(read_rows(file, "/observables/strain/value"), rows);
+    assert_int_equal(read_rows(file, "/observables/stage/time"), rows);
+    for (int f = 0; f < rows; f++) {
+        const int sample = 10 * f < options->n_samples ? 10 * f : options->n_samples - 1;
+        assert_true(step[f] == 10 * sample);
+        for (int axis = 0; axis < options->dimension; axis++)
+            assert_true(strain[f * options->dimension + axis] == synthetic_strain(sample, axis));
+    }
+    free(strain);
+    free(step);
 }
 
 static void check_contacts(hid_t file, const struct synthetic_run *run)
@@ -180,6 +199,7 @@ static void check_run(const struct bench *bench)
     const struct synthetic_options *options = &bench->run.options;
     hid_t file = read_open(bench->directory);
     check_samples(file, options);
+    check_observables(file, options);
     check_frames(file, options);
     check_contacts(file, &bench->run);
     if (options->walls)
@@ -664,9 +684,9 @@ static const struct {
     const char *tool, *command;
 } readers[] = {
     {"command -v h5ls", "h5ls -r %s/run.h5 | grep -q strain"},
-    {"command -v h5dump", "h5dump -d /observables/strain/value %s/run.h5 | grep -q DATASPACE"},
+    {"command -v h5dump", "h5dump -d /samples/strain/value %s/run.h5 | grep -q DATASPACE"},
     {"/usr/bin/python3 -c 'import h5py'",
-     "/usr/bin/python3 -c 'import h5py,sys; h5py.File(sys.argv[1])[\"/observables/strain/value\"][:]' %s/run.h5"},
+     "/usr/bin/python3 -c 'import h5py,sys; h5py.File(sys.argv[1])[\"/samples/strain/value\"][:]' %s/run.h5"},
 };
 
 static void run_readers(const char *directory)
@@ -727,7 +747,7 @@ static void test_other_readers(void **state)
     finish_complete(&bench);
     snprintf(command, sizeof command, "h5dump %s/run.h5 >%s/h5dump.txt", bench.directory, bench.directory);
     assert_int_equal(system(command), 0);
-    snprintf(command, sizeof command, "h5dump -y -w 1 -d /observables/strain/value %s/run.h5 | grep -c '^ *0.019, *$'",
+    snprintf(command, sizeof command, "h5dump -y -w 1 -d /samples/strain/value %s/run.h5 | grep -c '^ *0.019, *$'",
              bench.directory);
     FILE *pipe = popen(command, "r");
     assert_non_null(pipe);
@@ -772,11 +792,38 @@ static void test_xdmf_refers_to_what_is_there(void **state)
     bench_close(&bench);
 }
 
+/* Two stages that meet at step 20: a frame of each there, one between two samples, one whose sample is to come. */
+static void test_frames_take_their_samples(void **state)
+{
+    const struct moment samples[] = {{0, 0}, {10, 0}, {20, 0}, {20, 1}, {30, 1}};
+    const struct moment frames[] = {{20, 0}, {20, 1}, {25, 1}, {35, 1}};
+    struct observed observed = {0};
+    int64_t sample = -1;
+    (void)state;
+    assert_false(observed_next(&observed, true, &sample));
+    for (int k = 0; k < 5; k++)
+        assert_int_equal(observed_sample(&observed, samples[k]), STATUS_OK);
+    for (int k = 0; k < 4; k++)
+        assert_int_equal(observed_frame(&observed, frames[k]), STATUS_OK);
+    for (int expected = 2; expected <= 3; expected++) {
+        assert_true(observed_next(&observed, false, &sample));
+        assert_int_equal(sample, expected);
+    }
+    assert_true(observed_next(&observed, false, &sample));
+    assert_int_equal(sample, 3);
+    assert_false(observed_next(&observed, false, &sample)); /* one of step 35 may come */
+    assert_true(observed_next(&observed, true, &sample));
+    assert_int_equal(sample, 4);
+    assert_false(observed_next(&observed, true, &sample));
+    observed_free(&observed);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_friction_columns),
+        cmocka_unit_test(test_frames_take_their_samples),
         cmocka_unit_test(test_gaps_and_repeats),
         cmocka_unit_test(test_answers),
         cmocka_unit_test(test_foreign_and_oversized),

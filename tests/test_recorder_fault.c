@@ -54,9 +54,9 @@ static void check_after_kill(const struct synthetic_run *run, const char *direct
 {
     hid_t file = read_open(directory);
     assert_true(read_attribute(file, "/", "complete") == 0.0);
-    long rows = read_rows(file, "/observables/strain/value");
+    long rows = read_rows(file, "/samples/strain/value");
     assert_true(rows >= messages_before(run, RECORD_SAMPLE, flush_at));
-    double *strain = read_values(file, "/observables/strain/value");
+    double *strain = read_values(file, "/samples/strain/value");
     for (long s = 0; s < rows; s++)
         assert_true(strain[2 * s] == synthetic_strain((int)s, 0));
     free(strain);

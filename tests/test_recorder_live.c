@@ -128,8 +128,8 @@ static void check_file(const struct bench *bench, bool complete, long samples)
 {
     hid_t file = read_open(bench->directory);
     assert_true(read_attribute(file, "/", "complete") == (complete ? 1.0 : 0.0));
-    assert_int_equal(read_rows(file, "/observables/strain/value"), samples);
-    double *strain = read_values(file, "/observables/strain/value");
+    assert_int_equal(read_rows(file, "/samples/strain/value"), samples);
+    double *strain = read_values(file, "/samples/strain/value");
     for (long s = 0; s < samples; s++)
         assert_true(strain[2 * s] == synthetic_strain((int)s, 0));
     free(strain);

@@ -44,9 +44,9 @@ static long samples_in(const char *directory, bool complete)
 {
     hid_t file = read_open(directory);
     assert_true(read_attribute(file, "/", "complete") == (complete ? 1.0 : 0.0));
-    long rows = read_rows(file, "/observables/strain/value");
+    long rows = read_rows(file, "/samples/strain/value");
     for (long k = 0; k < rows; k++) {
-        double *strain = k == 0 ? read_values(file, "/observables/strain/value") : NULL;
+        double *strain = k == 0 ? read_values(file, "/samples/strain/value") : NULL;
         for (long s = 0; strain && s < rows; s++)
             assert_true(strain[2 * s] == synthetic_strain((int)s, 0));
         free(strain);

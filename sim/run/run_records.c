@@ -75,7 +75,11 @@ enum status run_record_step(struct run *run)
         TRY(take_sample(run));
     bool strain = frame_strain_passed(run);
     bool interval = step > 0 && step % steps_in(run, stage->frame_interval_s) == 0;
-    return strain || interval ? take_frame(run) : STATUS_OK;
+    if (!strain && !interval)
+        return STATUS_OK;
+    if (run->records.last_sample_step != run->sample->step) /* a frame has a sample of its own step */
+        TRY(take_sample(run));
+    return take_frame(run);
 }
 
 enum status run_record_stage_end(struct run *run)
