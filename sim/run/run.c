@@ -104,8 +104,9 @@ static enum status loop(struct run *run)
         bool changes = command->finished || command->stage != run->sample->stage;
         if (changes && run->sample->stage >= 0) {
             TRY(run_record_stage_end(run));
-            TRY(run_judge_stage_end(run, command->ended));
+            /* notes come after it: a run that goes on from here comes to the stage's end again */
             TRY(run_checkpoint(run, true));
+            TRY(run_judge_stage_end(run, command->ended));
         }
         if (changes)
             run->records.stage_end = command->ended;
