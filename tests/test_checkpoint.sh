@@ -104,7 +104,8 @@ case_kill_sim() {
 }
 
 # The recorder, too, dies without a word, so its file holds what it has said to be on disk. The last rows of the walls'
-# compressed tables may be lost, so these are left out here.
+# compressed tables may be lost, so these are left out here. Whose death the launcher sees first is not said: after the
+# recorder's the run goes on by itself, after that of sim by --resume.
 case_kill_all() {
     settings_more=(--set record.walls=sampled --set record.event_log=false --set stages.0.duration_s=0.3)
     shakedown run "$scene" "${settings[@]}" "${settings_more[@]}" --out whole
@@ -113,8 +114,12 @@ case_kill_all() {
     wait_for second_checkpoint
     kill -KILL "$(pid_of sim)" "$(pid_of recorder)" "$(pid_of wallctl)"
     wait_for driver_ended
-    shakedown run --resume cut
-    expect_code 0 $?
+    if [ "$(attribute cut/run.h5 complete)" = 0 ]; then
+        shakedown run --resume cut
+        expect_code 0 $?
+    else
+        grep -q 'goes on from the checkpoint' cut.out || fail "complete without a restart"
+    fi
     [ "$(attribute whole/run.h5 state_hash)" = "$(attribute cut/run.h5 state_hash)" ] || fail "other hashes"
     for group in samples observables particles connectivity frames; do
         same_data whole/run.h5 cut/run.h5 "/$group" || fail "$group differs"
