@@ -38,7 +38,7 @@ expect_text() { # FILE PATTERN
 # Polls, as another process' files give no signal; bounded.
 wait_for() { # COMMAND...
     local k
-    for ((k = 0; k < 1000; k++)); do
+    for ((k = 0; k < 6000; k++)); do
         "$@" && return
         sleep 0.01
     done
