@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-static const char *const names[GRAIN_COLUMNS] = {"x",  "y",  "z",       "radius",  "vx",
-                                                 "vy", "vz", "omega_x", "omega_y", "omega_z"};
+static const char *const names[GRAIN_COLUMNS] = {"x",  "y",       "z",       "radius",  "vx",     "vy",
+                                                 "vz", "omega_x", "omega_y", "omega_z", "density"};
 static const double RADIUS_MIN_M = 1e-9, RADIUS_MAX_M = 1e3, FAR = 1e9;
 
 static enum status row_check(const struct csv_table *table, const char *path, int64_t row, int dimension)
@@ -14,6 +14,9 @@ static enum status row_check(const struct csv_table *table, const char *path, in
     if (!(radius >= RADIUS_MIN_M && radius <= RADIUS_MAX_M))
         return status_fail(STATUS_CONFIG, "%s:%d: radius: %g is out of range; allowed: %g to %g m", path, line, radius,
                            RADIUS_MIN_M, RADIUS_MAX_M);
+    if (table->has[GRAIN_DENSITY] && !(csv_value(table, row, GRAIN_DENSITY) > 0))
+        return status_fail(STATUS_CONFIG, "%s:%d: density: %g; allowed: above 0", path, line,
+                           csv_value(table, row, GRAIN_DENSITY));
     for (int c = 0; c < GRAIN_COLUMNS; c++)
         if (!(fabs(csv_value(table, row, c)) <= FAR))
             return status_fail(STATUS_CONFIG, "%s:%d: %s: %g is out of range; allowed: -%g to %g", path, line, names[c],

@@ -15,6 +15,7 @@ enum grain_column {
     GRAIN_OMEGA_X, /* rad/s */
     GRAIN_OMEGA_Y,
     GRAIN_OMEGA_Z,
+    GRAIN_DENSITY, /* kg/m^3; 0: that of the scene */
     GRAIN_COLUMNS
 };
 

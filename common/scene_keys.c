@@ -222,7 +222,7 @@ static const struct key sample_keys[] = {
      "initial = \"checkpoint\": path of checkpoint.h5, relative to the scene file"},
     {"file", KEY_STRING, OF(scene_sample, file), NULL, 0, 0, "", NULL, NULL,
      "initial = \"file\": path of a table of grains, relative to the scene file: a line x,y,z,radius, which may go on "
-     "with ,vx,vy,vz and ,omega_x,omega_y,omega_z, then one line per grain; m, m/s, rad/s"},
+     "with ,vx,vy,vz and ,omega_x,omega_y,omega_z and ,density, then one line per grain; m, m/s, rad/s, kg/m^3"},
     {"file_hash", KEY_STRING, OF(scene_sample, file_hash), NULL, 0, 0, "", NULL, NULL,
      "initial = \"file\": FNV-1a of its bytes, 16 hexadecimal digits; recorded. If given, the file must have it"},
     {"box_min_m", KEY_FLOATS, OF(scene_sample, box_min_m), "m", -1e9, 1e9, "", NULL, NULL,

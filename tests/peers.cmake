@@ -11,3 +11,8 @@ add_executable(test_accuracy ${CMAKE_CURRENT_LIST_DIR}/test_accuracy.c)
 target_link_libraries(test_accuracy PRIVATE sim_fixture shakedown_bench)
 add_test(NAME bench_accuracy COMMAND test_accuracy)
 set_tests_properties(bench_accuracy PROPERTIES LABELS unit TIMEOUT 30)
+
+# The impact tests of Chung & Ooi.
+add_test(NAME bench_impacts COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_impacts.sh $<TARGET_FILE:bench_impacts>
+                                    ${PROJECT_SOURCE_DIR}/scenes/benchmarks $<TARGET_FILE:sim>)
+set_tests_properties(bench_impacts PROPERTIES LABELS physics TIMEOUT 60)

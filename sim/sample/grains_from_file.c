@@ -43,6 +43,17 @@ static enum status take_grains(struct particles *p, const struct scene *scene, c
     return STATUS_OK;
 }
 
+/* Masses and moments of inertia. */
+static void set_masses(struct particles *p, const struct scene_sample *s, const struct csv_table *table)
+{
+    particles_set_mass(p, s->density_kg_per_m3);
+    if (!table->has[GRAIN_DENSITY])
+        return;
+    for (int i = 0; i < p->count; i++)
+        p->mass[i] *= csv_value(table, i, GRAIN_DENSITY) / s->density_kg_per_m3;
+    particles_set_inverse(p);
+}
+
 static void make_box(const struct particles *p, const struct scene_sample *s, double *lo, double *hi)
 {
     for (int c = 0; c < p->dimension; c++) {
@@ -107,7 +118,7 @@ static enum status place(struct particles *p, const struct scene *scene, const s
     if (status == STATUS_OK)
         status = check_apart(p, &grid, s, table);
     packing_grid_free(&grid);
-    particles_set_mass(p, s->density_kg_per_m3);
+    set_masses(p, s, table);
     return status;
 }
 
