@@ -91,9 +91,12 @@ fingerprint() { # DIR: what two equal runs have in common
     local group
     h5dump -a complete "$1/run.h5" | grep -q '(0): 1' || return
     h5dump -a state_hash "$1/run.h5" | tail -n +2
-    for group in observables particles connectivity frames; do
-        h5dump -g "/$group" "$1/run.h5" | tail -n +2
-    done | cksum
+    {
+        h5dump -d /notes "$1/run.h5" | tail -n +2
+        for group in samples observables particles connectivity frames; do
+            h5dump -g "/$group" "$1/run.h5" | tail -n +2
+        done
+    } | cksum
 }
 
 count() { # KIND WHAT
