@@ -5,6 +5,7 @@
 
 #include "analyzer/compression.h"
 #include "analyzer/held.h"
+#include "analyzer/kept.h"
 #include "analyzer/shakedown.h"
 #include "analyzer/shear.h"
 #include "analyzer/undrained.h"
@@ -155,6 +156,7 @@ static enum status evaluate(struct analysis *analysis, const char *stage)
         unfinished(analysis);
     state_quantities(analysis, analysis->quantity);
     stress_error(analysis);
+    kept_quantities(&analysis->run, analysis->curves.stage, analysis->quantity);
     inertial_number(&analysis->curves, analysis->quantity);
     return STATUS_OK;
 }

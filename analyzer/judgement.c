@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/wall_target.h"
+
 const double judgement_residual_doubtful = 0.01;
 const double judgement_overlap_note = 0.05, judgement_overlap_failed = 0.3;
 const double judgement_inertial_note = 1e-3, judgement_rest_note = 1e-3, judgement_stress_note = 0.02;
@@ -129,30 +131,15 @@ static void inertial_check(struct judgement *judgement, const struct run *run, i
             largest, mean, judgement_inertial_note);
 }
 
-/* The target of an axis at a time of its stage; NaN if it has none that is known here. */
-static double target_at(const struct scene_axis *axis, double t)
-{
-    if (axis->mode != WALL_STRESS || axis->two_way || axis->amplitude_growth_pa != 0)
-        return NAN;
-    switch (axis->target) {
-    case TARGET_CONSTANT:
-        return axis->pressure_pa;
-    case TARGET_RAMP:
-        return axis->pressure_pa + (axis->pressure_end_pa - axis->pressure_pa) * fmin(1, t / axis->ramp_s);
-    case TARGET_COSINE:
-        return axis->pressure_pa + axis->amplitude_pa / 2 * (1 - cos(2 * M_PI * t / axis->period_s));
-    default:
-        return NAN;
-    }
-}
-
 void judgement_stress_error(const struct run *run, int stage, size_t begin, size_t end, double *mean, double *largest)
 {
     double sum = 0, count = 0, top = 0;
     for (size_t k = begin; k < end; k++)
         for (int slot = 0; slot < run->dimension; slot++) {
             const struct scene_axis *axis = &run->scene->stage[stage].axis[scene_pair_axis(run->scene, slot)];
-            const double target = target_at(axis, *run_record(run, OBSERVABLE_STAGE_TIME, k));
+            const double target = axis->mode == WALL_STRESS
+                                      ? wall_target_pressure_pa(axis, *run_record(run, OBSERVABLE_STAGE_TIME, k))
+                                      : NAN;
             const double size = fmax(fabs(axis->pressure_pa), fabs(target));
             if (!isfinite(target) || !(size > 0))
                 continue;

@@ -36,6 +36,11 @@ bool quantity_belongs(enum quantity_id id, enum test_kind kind)
     return (tests_of[id] >> kind & 1) != 0;
 }
 
+bool quantity_is_reported(enum quantity_id id, enum test_kind kind, const struct quantity *quantity)
+{
+    return quantity_belongs(id, kind) && !quantity->absent;
+}
+
 void quantity_undefined(struct quantity *quantity, const char *format, ...)
 {
     va_list arguments;
@@ -43,6 +48,12 @@ void quantity_undefined(struct quantity *quantity, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(quantity->text, sizeof quantity->text, format, arguments);
     va_end(arguments);
+}
+
+void quantity_absent(struct quantity *quantity, const char *reason)
+{
+    quantity_undefined(quantity, "%s", reason);
+    quantity->absent = true;
 }
 
 void quantity_set(struct quantity *quantity, struct estimate estimate)

@@ -81,6 +81,12 @@
     X(INERTIAL_MAX, "inertial_number.max", "1", ANY)                                                                   \
     X(STRESS_ERROR_MEAN, "stress_error.mean", "1", ANY)                                                                \
     X(STRESS_ERROR_MAX, "stress_error.max", "1", ANY)                                                                  \
+    X(KEPT_STRESS, "kept.stress", "1", ANY)                                                                            \
+    X(KEPT_VOLUME, "kept.volume", "1", ANY)                                                                            \
+    X(KEPT_P, "kept.p", "1", ANY)                                                                                      \
+    X(KEPT_Q, "kept.q", "1", ANY)                                                                                      \
+    X(KEPT_PATH, "kept.path", "1", ANY)                                                                                \
+    X(KEPT_B, "kept.b", "1", ANY)                                                                                      \
     X(ENERGY_RESIDUAL, "energy_residual", "1", ANY)                                                                    \
     X(INTERFACE_RESIDUAL, "interface_residual", "1", ANY)                                                              \
     X(CONTROLLER_RESIDUAL, "controller_residual", "1", ANY)                                                            \
@@ -114,6 +120,7 @@ enum quantity_id {
 struct quantity {
     double value;       /* NaN: undefined, `text` says why */
     double uncertainty; /* standard uncertainty; NaN: none can be told */
+    bool absent;        /* undefined, as the stage has nothing of that sort: not reported */
     bool has_window;
     double window[2]; /* of axial strain, or of cycles */
     char text[160];   /* reason if undefined, else a note; "" if there is nothing to say */
@@ -126,8 +133,12 @@ const char *quantity_unit(enum quantity_id id);
 /* True if tests of that kind have the quantity. */
 bool quantity_belongs(enum quantity_id id, enum test_kind kind);
 
-/* Marks as undefined, for a reason. */
+/* True if a test of that kind reports the quantity as it is. */
+bool quantity_is_reported(enum quantity_id id, enum test_kind kind, const struct quantity *quantity);
+
+/* Marks as undefined, for a reason; as absent, too. */
 void quantity_undefined(struct quantity *quantity, const char *format, ...) PRINTF_LIKE(2, 3);
+void quantity_absent(struct quantity *quantity, const char *reason);
 
 /* Sets value and uncertainty, without a window; a value that is not finite becomes undefined ("not a finite number").
  */

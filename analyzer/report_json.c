@@ -125,7 +125,7 @@ static json_t *analysis_json(const struct analysis *analysis)
     failed |= report_json_set(root, "notes", notes_json(&analysis->judgement));
     failed |= report_json_set(root, "complete", json_boolean(analysis->run.complete));
     for (int k = 0; k < QUANTITIES; k++)
-        if (quantity_belongs((enum quantity_id)k, analysis->curves.controls.kind))
+        if (quantity_is_reported((enum quantity_id)k, analysis->curves.controls.kind, &analysis->quantity[k]))
             failed |= report_json_set(root, quantity_key((enum quantity_id)k),
                                       report_json_quantity((enum quantity_id)k, &analysis->quantity[k]));
     if (cyclic)

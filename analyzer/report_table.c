@@ -86,7 +86,7 @@ void report_table_print(FILE *out, const struct analysis *analysis)
             (int)run->scene->n_stages, controls_name(&curves->controls, run->dimension), curves->n);
     fprintf(out, "  %-34s %12s %12s %-6s %-22s\n", "quantity", "value", "uncertainty", "unit", "window");
     for (int k = 0; k < QUANTITIES; k++)
-        if (quantity_belongs((enum quantity_id)k, curves->controls.kind))
+        if (quantity_is_reported((enum quantity_id)k, curves->controls.kind, &analysis->quantity[k]))
             quantity_print(out, (enum quantity_id)k, &analysis->quantity[k]);
     if (analysis->cycles.n > 0)
         classes_print(out, &analysis->cycles);

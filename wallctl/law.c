@@ -31,10 +31,10 @@ static struct wall_motion strain_motion(const struct pair_control *c, int wall, 
 {
     const double *start_m = c->moment->stage_position_m;
     double z0_m = start_m[c->hi] - start_m[c->lo];
-    if (wallctl_strain_done(c->axis, c->start_s)) /* there: at rest, not chasing the last bit */
+    if (wall_course_done(c->axis, c->start_s)) /* there: at rest, not chasing the last bit */
         return (struct wall_motion){0, 0};
-    double rate = share * wallctl_strain_rate_m_per_s(c->axis, z0_m, c->start_s);
-    double end_m = start_m[wall] + share * (wallctl_strain_length_m(c->axis, z0_m, c->end_s) - z0_m);
+    double rate = share * wall_course_rate_m_per_s(c->axis, z0_m, c->start_s);
+    double end_m = start_m[wall] + share * (wall_course_length_m(c->axis, z0_m, c->end_s) - z0_m);
     double way_m = end_m - c->state->position_m[wall];
     double h = c->interval_s;
     return (struct wall_motion){rate, 2 * (way_m - rate * h) / (h * h)};
@@ -139,8 +139,8 @@ static void impedance_pair(const struct pair_control *c, struct wall_command *co
     const double constant[] = {constant_pa, constant_pa, constant_pa};
     double target_pa[] = {own_pa, own_pa, own_pa}; /* of a coupled axis: as it is now */
     if (c->axis->mode == WALL_STRESS) {
-        target_pa[1] = wallctl_target_pressure_pa(c->axis, 0.5 * (c->start_s + c->end_s));
-        target_pa[2] = wallctl_target_pressure_pa(c->axis, c->end_s);
+        target_pa[1] = wall_target_pressure_pa(c->axis, 0.5 * (c->start_s + c->end_s));
+        target_pa[2] = wall_target_pressure_pa(c->axis, c->end_s);
     }
     impedance_wall(c, c->hi, drive, target_pa, command);
     if (mirror)

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
+#include "common/wall_target.h"
 #include "wallctl/coupled.h"
-#include "wallctl/target.h"
 
 /* Period of the cycles of a stage; 0: it has none. */
 static double cycle_period_s(const struct scene_stage *stage)

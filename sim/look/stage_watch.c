@@ -61,7 +61,7 @@ static void stress_look(struct stage_watch *watch, const struct sample *sample)
         const struct scene_axis *axis = &stage->axis[sample_axis(sample, c)];
         if (axis->mode != WALL_STRESS)
             continue;
-        watch->target_pa[c] = wallctl_target_pressure_pa(axis, t);
+        watch->target_pa[c] = wall_target_pressure_pa(axis, t);
         const double error = fabs(controlled_stress_pa(sample, axis, c) - watch->target_pa[c]);
         const double ratio = watch->target_pa[c] != 0 ? error / fabs(watch->target_pa[c]) : 0;
         watch->error_sum[c] += ratio;
@@ -94,7 +94,7 @@ static enum status opening_look(struct stage_watch *watch, const struct sample *
         const double start = sample->stage_position_m[2 * c + 1] - sample->stage_position_m[2 * c];
         if (axis->mode != WALL_STRESS)
             continue;
-        const bool pulls = wallctl_target_pressure_pa(axis, t) < 0;
+        const bool pulls = wall_target_pressure_pa(axis, t) < 0;
         const bool alone = pulls && !touches(sample, c);
         watch->pulled_on_nothing[c] = alone ? watch->pulled_on_nothing[c] + 1 : 0;
         if (watch->pulled_on_nothing[c] > PULLS_MAX)

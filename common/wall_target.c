@@ -1,4 +1,4 @@
-#include "wallctl/target.h"
+#include "common/wall_target.h"
 
 #include <math.h>
 
@@ -52,7 +52,7 @@ static double cycle_pressure_pa(const struct scene_axis *axis, double t_s)
     return axis->pressure_pa + (axis->two_way ? 0.5 : 1) * amplitude_pa * shape;
 }
 
-double wallctl_target_pressure_pa(const struct scene_axis *axis, double t_s)
+double wall_target_pressure_pa(const struct scene_axis *axis, double t_s)
 {
     double slope;
     switch (axis->target) {
@@ -99,7 +99,7 @@ static double course_strain(const struct scene_axis *axis, double t_s, double *r
     return amplitude * shape;
 }
 
-bool wallctl_strain_done(const struct scene_axis *axis, double t_s)
+bool wall_course_done(const struct scene_axis *axis, double t_s)
 {
     switch (axis->course) {
     case COURSE_SMOOTH:
@@ -113,10 +113,10 @@ bool wallctl_strain_done(const struct scene_axis *axis, double t_s)
     }
 }
 
-double wallctl_strain_length_m(const struct scene_axis *axis, double z0_m, double t_s)
+double wall_course_length_m(const struct scene_axis *axis, double z0_m, double t_s)
 {
     double zf_m = z0_m * (1 - axis->strain), rate_per_s;
-    if (axis->course == COURSE_RATE && wallctl_strain_done(axis, t_s))
+    if (axis->course == COURSE_RATE && wall_course_done(axis, t_s))
         return zf_m;
     if (axis->course != COURSE_SMOOTH)
         return z0_m * (1 - course_strain(axis, t_s, &rate_per_s));
@@ -126,10 +126,10 @@ double wallctl_strain_length_m(const struct scene_axis *axis, double z0_m, doubl
     return zf_m + 0.5 * (z0_m - zf_m) * (1 + cos(phase));
 }
 
-double wallctl_strain_rate_m_per_s(const struct scene_axis *axis, double z0_m, double t_s)
+double wall_course_rate_m_per_s(const struct scene_axis *axis, double z0_m, double t_s)
 {
     double rate_per_s;
-    if (wallctl_strain_done(axis, t_s))
+    if (wall_course_done(axis, t_s))
         return 0;
     if (axis->course != COURSE_SMOOTH) {
         (void)course_strain(axis, t_s, &rate_per_s);
