@@ -40,3 +40,6 @@ add_test(NAME example_controller COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_example_
          $<TARGET_FILE:example-controller>)
 set_tests_properties(example_controller PROPERTIES LABELS pipeline TIMEOUT 120
                      ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
+add_test(NAME example_controller_java COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_example_java.sh)
+set_tests_properties(example_controller_java PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 125
+                     ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
