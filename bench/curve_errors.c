@@ -90,8 +90,7 @@ static size_t early_samples(const struct curves *ref, size_t n)
     return k;
 }
 
-/* A root attribute that END brings; 0 if there is none. */
-static int64_t attribute_i64(const char *path, const char *name)
+int64_t run_attribute_i64(const char *path, const char *name)
 {
     int64_t value = 0;
     hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -128,7 +127,7 @@ static enum status compare(const struct loaded *reference, const struct loaded *
         .controller_residual = over_work(&l->run, OBSERVABLE_CONTROLLER_RESIDUAL),
         .elapsed_s = l->run.elapsed_s,
         .steps = l->run.steps,
-        .exchanges = attribute_i64(path, "wall_states"),
+        .exchanges = run_attribute_i64(path, "wall_states"),
         .complete = l->run.complete && l->run.reason[0] == 0 && a->n == ref->n,
     };
     return STATUS_OK;

@@ -25,4 +25,7 @@ struct curve_errors {
  * taken at the same times; errors of run_read. */
 enum status curve_errors_measure(const char *reference, const char *path, struct curve_errors *errors) MUST_USE;
 
+/* A whole number among the root's attributes of run.h5, as END brings them; 0 if there is none. */
+int64_t run_attribute_i64(const char *path, const char *name);
+
 #endif
