@@ -91,7 +91,8 @@ void config_defaults(const struct key *table, void *target)
             *(int64_t *)value = strtoll(preset, NULL, 10);
             break;
         case KEY_FLOAT:
-            *(double *)value = strtod(preset, NULL);
+            *(double *)value =
+                key->choices && strcmp(preset, key->choices[0]) == 0 ? (double)NAN : strtod(preset, NULL);
             break;
         case KEY_STRING:
             snprintf(value, CONFIG_STRING_MAX, "%s", preset);
@@ -228,7 +229,7 @@ static enum status read_value(const config_setting_t *setting, const struct key 
     case KEY_FLOAT:
         if (key->choices && config_setting_type(setting) == CONFIG_TYPE_STRING &&
             strcmp(config_setting_get_string(setting), key->choices[0]) == 0) {
-            *(double *)value = 0; /* the reader of the table puts the number there */
+            *(double *)value = (double)NAN; /* the reader of the table puts the number there */
             return STATUS_OK;
         }
         if (!is_number(setting))
@@ -457,7 +458,10 @@ static void print_value(FILE *out, const struct key *key, const void *value)
         fprintf(out, "%lldL", (long long)*(const int64_t *)value);
         break;
     case KEY_FLOAT:
-        print_float(out, *(const double *)value);
+        if (key->choices && isnan(*(const double *)value))
+            print_string(out, key->choices[0]);
+        else
+            print_float(out, *(const double *)value);
         break;
     case KEY_STRING:
         print_string(out, value);
@@ -558,11 +562,38 @@ static void print_allowed(FILE *out, const struct key *key)
     }
 }
 
+/* The group of the same keys that stands before this one. */
+static const struct key *group_twin(const struct key *table, const struct key *group)
+{
+    for (const struct key *key = table; key != group; key++)
+        if (key->type == KEY_GROUP && key->group == group->group)
+            return key;
+    return NULL;
+}
+
+int config_overlay(const struct key *table, const void *from, void *to)
+{
+    int taken = 0;
+    for (const struct key *key = table; key->name; key++) {
+        const double value = *(const double *)field_const(from, key);
+        if (isnan(value))
+            continue;
+        *(double *)field(to, key) = value;
+        taken++;
+    }
+    return taken;
+}
+
 void config_print_reference(FILE *out, const struct key *table, const char *path)
 {
     for (const struct key *key = table; key->name; key++) {
         char full[256];
         snprintf(full, sizeof full, "%s%s%s", path, path[0] ? "." : "", key->name);
+        const struct key *twin = key->type == KEY_GROUP ? group_twin(table, key) : NULL;
+        if (twin) {
+            fprintf(out, "| `%s` | as `%s%s%s` | | %s |\n", full, path, path[0] ? "." : "", twin->name, key->doc);
+            continue;
+        }
         if (key->type == KEY_GROUP) {
             config_print_reference(out, key->group, full);
             continue;

@@ -44,7 +44,7 @@ struct key {
     const char *unit;
     double min, max;            /* of numbers; for lists, of each element */
     const char *preset;         /* the default as the scene file would say it; NULL: must be given */
-    const char *const *choices; /* KEY_CHOICE: NULL-ended; KEY_FLOAT: the first may stand for a number, read as 0 */
+    const char *const *choices; /* KEY_CHOICE: NULL-ended; KEY_FLOAT: the first may stand for a number, read as NAN */
     const struct key *group;    /* KEY_GROUP: its table */
     const char *doc;
 };
@@ -57,6 +57,9 @@ void config_defaults(const struct key *table, void *target);
  * STATUS_CONFIG with "file:line: key: ..." on an unknown key, a wrong type or a value out of range. */
 enum status config_group_read(const config_setting_t *setting, const struct key *table, const char *where,
                               const char *const *skip, void *target) MUST_USE;
+
+/* Takes the numbers of a table of KEY_FLOAT over, but for those for which a word stands; returns how many. */
+int config_overlay(const struct key *table, const void *from, void *to);
 
 /* STATUS_CONFIG if a key without default is missing in `setting`. */
 enum status config_require(const config_setting_t *setting, const struct key *table, const char *where) MUST_USE;

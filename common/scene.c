@@ -13,11 +13,21 @@ void scene_free(struct scene *scene)
     scene->n_stages = 0;
 }
 
+/* axis < 0: particles among themselves; else on the walls of the axis. */
+static bool is_frictional(const struct scene_stage *stage, int axis)
+{
+    struct scene_material of_walls;
+    if (axis < 0)
+        return stage->material.mu_s > 0;
+    return scene_wall_material(stage, (enum axis)axis, &of_walls) && of_walls.mu_s > 0;
+}
+
 bool scene_is_frictional(const struct scene *scene)
 {
     bool any = false;
     for (int k = 0; k < scene->n_stages; k++)
-        any = any || scene->stage[k].material.mu_s > 0;
+        for (int axis = -1; axis < SCENE_AXES; axis++)
+            any = any || is_frictional(&scene->stage[k], axis);
     return any;
 }
 

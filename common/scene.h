@@ -88,6 +88,7 @@ struct scene_axis {
     double dq_dp; /* KEEP_PATH: q - deviator_pa = dq_dp (p - pressure_pa) */
     double deviator_pa;
     struct config_band until_strain, until_stress_pa; /* conditions */
+    struct scene_material material; /* of contacts with its walls, NAN: as walls.material (scene_wall_material) */
 };
 
 struct scene_limits {
@@ -114,6 +115,7 @@ struct scene_stage {
     double frame_interval_s;            /* 0: frames only at frame_strains and at the end of the stage */
     struct config_floats frame_strains; /* of the strain-controlled axis, increasing */
     struct scene_material material;
+    struct scene_material wall_material; /* of contacts with walls, NAN: as the particles (scene_wall_material) */
     struct scene_axis axis[SCENE_AXES];
     struct scene_limits limits;
 };
@@ -193,7 +195,8 @@ struct scene {
     int precision;                         /* enum precision: of contacts */
     struct config_floats gravity_m_per_s2; /* x y z; empty: none */
     struct scene_sample sample;
-    struct scene_material material; /* of every stage that does not say otherwise */
+    struct scene_material material;      /* of every stage that does not say otherwise */
+    struct scene_material wall_material; /* the same of contacts with walls */
     struct scene_axis axis[SCENE_AXES];
     struct scene_coupling coupling;
     struct scene_record record;
@@ -228,6 +231,11 @@ double scene_axis_period_s(const struct scene_axis *axis);
 
 /* When a course "rate" comes to its strain, which is not 0 [s]. */
 double scene_axis_rate_end_s(const struct scene_axis *axis);
+
+/* Material of contacts with the walls of an axis in a stage: that of the particles, with friction times wall_friction,
+ * but for what walls.material and the axis's own say. Elastic constants are those of the wall alone. True if they say
+ * anything. */
+bool scene_wall_material(const struct scene_stage *stage, enum axis axis, struct scene_material *material);
 
 /* What the scene needs modelled, over all stages. */
 bool scene_is_frictional(const struct scene *scene);

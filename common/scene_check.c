@@ -82,16 +82,32 @@ static bool fit_in_one_scene(int a, int b)
     return least == most || (most != LAW_HERTZ && least != LAW_LINEAR_RESTITUTION);
 }
 
+/* A law against those of the stages before `end`. */
+static enum status laws_check(const struct scene *scene, const struct scene_stage *end, int law,
+                              const config_setting_t *at, const char *path)
+{
+    for (const struct scene_stage *other = scene->stage; other != end; other++)
+        if (!fit_in_one_scene(law, other->material.law))
+            return config_fail(at, path, "law \"%s\" does not go with law \"%s\" of stage \"%s\"", scene_law_name(law),
+                               scene_law_name(other->material.law), other->name);
+    return STATUS_OK;
+}
+
 enum status scene_check_material(const struct scene *scene, const struct scene_stage *stage, const config_setting_t *at,
                                  const char *where)
 {
     char path[128];
     snprintf(path, sizeof path, "%s.material", where);
     TRY(material_check(&stage->material, at, path));
-    for (const struct scene_stage *other = scene->stage; other != stage; other++)
-        if (!fit_in_one_scene(stage->material.law, other->material.law))
-            return config_fail(at, path, "law \"%s\" does not go with law \"%s\" of stage \"%s\"",
-                               scene_law_name(stage->material.law), scene_law_name(other->material.law), other->name);
+    TRY(laws_check(scene, stage, stage->material.law, at, path));
+    for (int k = 0; k < SCENE_AXES; k++) {
+        struct scene_material of_walls;
+        if ((scene->dimension == 2 && k == AXIS_Y) || !scene_wall_material(stage, (enum axis)k, &of_walls))
+            continue;
+        snprintf(path, sizeof path, "%s.walls.%c.material", where, "xyz"[k]);
+        TRY(material_check(&of_walls, at, path));
+        TRY(laws_check(scene, stage + 1, of_walls.law, at, path));
+    }
     return STATUS_OK;
 }
 

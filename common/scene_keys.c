@@ -66,6 +66,31 @@ static const struct key material_keys[] = {
      "background damping of rotation: torque -gamma_br a^2 omega (a^2 is our reading of [D])"},
     {0}};
 
+/* Of contacts with walls. */
+static const char *const particles_names[] = {"particles", NULL};
+#define OF_WALL(member, unit, least, most, doc)                                                                        \
+    {                                                                                                                  \
+#member, KEY_FLOAT, OF(scene_material, member), unit, least, most, "particles", particles_names, NULL, doc     \
+    }
+const struct key scene_wall_material_keys[] = {
+    OF_WALL(kn_n_per_m, "N/m", 0, INFINITY,
+            "stiffness of contacts with the wall; \"particles\": that of the particles"),
+    OF_WALL(k1_n_per_m, "N/m", 0, INFINITY, "the same, hysteretic law"),
+    OF_WALL(k2_n_per_m, "N/m", 0, INFINITY, "the same"),
+    OF_WALL(kc_n_per_m, "N/m", 0, INFINITY, "the same"),
+    OF_WALL(kp_n_per_m, "N/m", 0, INFINITY, "the same, elastoplastic law"),
+    OF_WALL(phi_f, NULL, 0, 10, "the same"),
+    OF_WALL(youngs_modulus_pa, "N/m^2", 0, INFINITY, "Young's modulus of the wall itself, Hertz-Mindlin law"),
+    OF_WALL(poisson_ratio, NULL, 0, 0.5, "Poisson's ratio of the wall itself"),
+    OF_WALL(restitution, NULL, 0.001, 1, "coefficient of restitution of particles on the wall, laws linear and hertz"),
+    OF_WALL(gamma_n_kg_per_s, "kg/s", 0, INFINITY, "normal dissipation of contacts with the wall"),
+    OF_WALL(mu_s, NULL, 0, 100,
+            "static friction coefficient of particles on the wall; \"particles\": theirs times material.wall_friction"),
+    OF_WALL(mu_d, NULL, 0, 100, "dynamic one, at most mu_s; where only mu_s is given, equal to it"),
+    OF_WALL(kt_n_per_m, "N/m", 0, INFINITY, "tangential stiffness of contacts with the wall"),
+    OF_WALL(gamma_t_kg_per_s, "kg/s", 0, INFINITY, "tangential dissipation of contacts with the wall"),
+    {0}};
+
 static const struct key axis_keys[] = {
     {"mode", KEY_CHOICE, OF(scene_axis, mode), NULL, 0, 0, "fixed", mode_names, NULL,
      "what moves the upper wall: nothing, a course of strain [LH eq. 1.1], a pressure [LH eq. 1.2], or what the other "
@@ -133,11 +158,13 @@ static const struct key axis_keys[] = {
      "below it), or outside [low, high]"},
     {"until_stress_pa", KEY_BAND, OF(scene_axis, until_stress_pa), "N/m^2", -INFINITY, INFINITY, "", NULL, NULL,
      "condition: the same for the stress of this axis, the mean of both walls"},
+    {"material", KEY_GROUP, OF(scene_axis, material), NULL, 0, 0, NULL, NULL, scene_wall_material_keys, ""},
     {0}};
 
 #define WALLS_OF(type)                                                                                                 \
     {                                                                                                                  \
-        {"x", KEY_GROUP, OF(type, axis[AXIS_X]), NULL, 0, 0, NULL, NULL, axis_keys, "lateral walls"},                  \
+        {"material", KEY_GROUP, OF(type, wall_material), NULL, 0, 0, NULL, NULL, scene_wall_material_keys, ""},        \
+            {"x", KEY_GROUP, OF(type, axis[AXIS_X]), NULL, 0, 0, NULL, NULL, axis_keys, "lateral walls"},              \
             {"y", KEY_GROUP, OF(type, axis[AXIS_Y]), NULL, 0, 0, NULL, NULL, axis_keys, "lateral walls, 3D only"},     \
             {"z", KEY_GROUP, OF(type, axis[AXIS_Z]), NULL, 0, 0, NULL, NULL, axis_keys, "axial walls"},                \
         {                                                                                                              \
@@ -323,6 +350,7 @@ void scene_stage_start(const struct scene *scene, struct scene_stage *stage)
 {
     config_defaults(scene_stage_keys, stage);
     stage->material = scene->material;
+    stage->wall_material = scene->wall_material;
     memcpy(stage->axis, scene->axis, sizeof stage->axis);
     stage->limits = scene->limits;
 }
@@ -367,6 +395,26 @@ void scene_material_refine(struct scene_material *material)
         material->law = LAW_LINEAR_RESTITUTION;
     if (material->law == LAW_HYSTERETIC && material->kp_n_per_m > 0)
         material->law = LAW_ELASTOPLASTIC;
+}
+
+bool scene_wall_material(const struct scene_stage *stage, enum axis axis, struct scene_material *material)
+{
+    const struct scene_material *said[] = {&stage->wall_material, &stage->axis[axis].material};
+    int taken = 0;
+    *material = stage->material;
+    material->mu_d = material->wall_friction * (material->mu_d < 0 ? material->mu_s : material->mu_d);
+    material->mu_s *= material->wall_friction;
+    for (int k = 0; k < 2; k++) {
+        taken += config_overlay(scene_wall_material_keys, said[k], material);
+        if (!isnan(said[k]->mu_s) && isnan(said[k]->mu_d))
+            material->mu_d = material->mu_s;
+    }
+    if (taken == 0)
+        return false;
+    if (material->law == LAW_LINEAR_RESTITUTION && !(material->restitution < 1))
+        material->law = LAW_LINEAR;
+    scene_material_refine(material);
+    return true;
 }
 
 void scene_stage_complete(struct scene_stage *stage)

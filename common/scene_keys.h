@@ -22,5 +22,6 @@ void scene_material_refine(struct scene_material *material);
 extern const struct key scene_keys[];       /* struct scene */
 extern const struct key scene_stage_keys[]; /* struct scene_stage */
 extern const struct key scene_group_keys[]; /* struct scene_group */
+extern const struct key scene_wall_material_keys[];
 
 #endif

@@ -48,6 +48,7 @@ static void preparation_cut(struct scene *scene, int n_stages)
     for (int k = 0; k < n_stages; k++)
         snprintf(scene->stage[k].name, sizeof scene->stage[k].name, "stage %d", k + 1);
     scene->material = scene->stage[0].material;
+    scene->wall_material = scene->stage[0].wall_material;
     memcpy(scene->axis, scene->stage[0].axis, sizeof scene->axis);
     scene->record = (struct scene_record){0};
     memset(&scene->analysis, 0, sizeof scene->analysis);

@@ -39,8 +39,8 @@ set_tests_properties(sim_unit PROPERTIES LABELS unit TIMEOUT 120)
 add_test(NAME includes COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_includes.sh ${PROJECT_SOURCE_DIR})
 set_tests_properties(includes PROPERTIES LABELS unit TIMEOUT 60)
 
-# Contact laws beyond the two papers, against closed forms.
-foreach(law hertz elastoplastic)
+# Contact laws beyond the two papers, and walls of a material of their own, against closed forms.
+foreach(law hertz elastoplastic wall_material)
   add_executable(test_${law} ${CMAKE_CURRENT_LIST_DIR}/test_${law}.c)
   target_link_libraries(test_${law} PRIVATE sim_fixture)
   add_test(NAME ${law} COMMAND test_${law})

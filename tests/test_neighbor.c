@@ -313,6 +313,7 @@ static void the_tuned_skin_narrows_at_rest(void **state)
         memset(f.sample->particles.v[c], 0, 100 * sizeof(double));
     f.sample->material = &f.scene->stage[0].material;
     memset(f.sample->law.normal, 0, sizeof f.sample->law.normal); /* what overlaps stays */
+    memset(f.sample->wall_law, 0, sizeof f.sample->wall_law);
     for (int c = 0; c < 2; c++)
         memset(f.sample->particles.a[c], 0, 100 * sizeof(double));
     fixture_steps(&f, 600);

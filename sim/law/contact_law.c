@@ -36,6 +36,36 @@ struct contact_law_constants contact_law_constants_of(const struct scene_materia
     return law;
 }
 
+/* E and nu of two like bodies whose contact has the E* and G* of one between `a` and `b`. With e = (1 - nu^2)/E and g
+ * = 2 (2 - nu)(1 + nu)/E of each, sum e = 1/E* and sum g = 1/G*; of like bodies e/g = (1 - nu)/(2 (2 - nu)). */
+static void combine_elastic(const struct scene_material *a, const struct scene_material *b, struct scene_material *both)
+{
+    const struct scene_material *side[] = {a, b};
+    double e = 0, g = 0;
+    for (int k = 0; k < 2; k++) {
+        const double nu = side[k]->poisson_ratio, young = side[k]->youngs_modulus_pa;
+        e += (1 - nu * nu) / young;
+        g += 2 * (2 - nu) * (1 + nu) / young;
+    }
+    both->poisson_ratio = (1 - 4 * e / g) / (1 - 2 * e / g);
+    both->youngs_modulus_pa = 2 * (1 - both->poisson_ratio * both->poisson_ratio) / e;
+}
+
+struct contact_law_constants contact_law_constants_of_walls(const struct scene_stage *stage, enum axis axis, int normal)
+{
+    struct scene_material of_walls, both;
+    if (!scene_wall_material(stage, axis, &of_walls)) {
+        struct contact_law_constants law = contact_law_constants_of(&stage->material, normal);
+        law.mu_s *= stage->material.wall_friction;
+        law.mu_d *= stage->material.wall_friction;
+        return law;
+    }
+    both = of_walls;
+    if (of_walls.youngs_modulus_pa > 0)
+        combine_elastic(&stage->material, &of_walls, &both);
+    return contact_law_constants_of(&both, normal);
+}
+
 void contact_law_set_scale(struct contact_law_constants *law, int normal, double radius_m, double force_n)
 {
     const double small = 0x1p-40; /* overlap over radius, about 1e-12 */

@@ -36,6 +36,12 @@ struct contact_forces {
  * stage's. */
 struct contact_law_constants contact_law_constants_of(const struct scene_material *material, int normal);
 
+/* The same of contacts with the walls of an axis: of the particles, with their wall_friction, but for what the walls'
+ * own material says. Elastic constants of both are combined: 1/E* = sum (1 - nu^2)/E, 1/G* = sum 2 (2 - nu)(1 + nu)/E
+ * (Johnson 1985). */
+struct contact_law_constants contact_law_constants_of_walls(const struct scene_stage *stage, enum axis axis,
+                                                            int normal);
+
 /* Sets what follows from the size of the particles: the stiffness of a law whose stiffness goes with the force, that of
  * two particles of the radius under the force (0: none is known, a small overlap is taken), and the unit of force. */
 void contact_law_set_scale(struct contact_law_constants *law, int normal, double radius_m, double force_n);

@@ -2,12 +2,18 @@
 
 #include "sim/law/contact_law.h"
 
-/* A stage with the linear law is hysteretic with k1 = k2, so that a scene may have both. */
+/* A stage with the linear law is hysteretic with k1 = k2, so that a scene may have both; and so are walls. */
 static int normal_law_of(const struct scene *scene)
 {
     int normal = LAW_LINEAR;
     for (int k = 0; k < scene->n_stages; k++)
-        normal = scene->stage[k].material.law > normal ? scene->stage[k].material.law : normal;
+        for (int axis = 0; axis < SCENE_AXES; axis++) {
+            const int law = scene->stage[k].material.law;
+            struct scene_material of_walls;
+            (void)scene_wall_material(&scene->stage[k], (enum axis)axis, &of_walls);
+            normal = law > normal ? law : normal;
+            normal = of_walls.law > normal ? of_walls.law : normal;
+        }
     return normal;
 }
 

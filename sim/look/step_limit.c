@@ -1,6 +1,7 @@
 #include "sim/look/step_limit.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "wallctl/law.h"
 
@@ -53,7 +54,7 @@ static double wall_step_s(const struct sample *sample, const struct scene_axis *
 }
 
 static void walls_limit(const struct sample *sample, const struct scene_stage *stage,
-                        const struct contact_law_constants *law, double mean_radius_m, struct step_limit *limit)
+                        const struct contact_law_constants *wall_law, double mean_radius_m, struct step_limit *limit)
 {
     const int dim = sample->particles.dimension;
     const double volume = particles_solid_volume(&sample->particles) / PACKED[dim - 2];
@@ -64,7 +65,7 @@ static void walls_limit(const struct sample *sample, const struct scene_stage *s
         const enum axis name = sample_axis(sample, c);
         if (stage->axis[name].mode != WALL_STRESS)
             continue;
-        const double holds = wall_step_s(sample, &stage->axis[name], contacts, law, stage->dt_s);
+        const double holds = wall_step_s(sample, &stage->axis[name], contacts, &wall_law[c], stage->dt_s);
         if (!(holds < limit->wall_stable_s))
             continue;
         limit->wall_stable_s = holds;
@@ -72,23 +73,43 @@ static void walls_limit(const struct sample *sample, const struct scene_stage *s
     }
 }
 
+static void take_shorter(double stable_s, bool tangential, char axis, struct step_limit *limit)
+{
+    if (!(stable_s < limit->stable_s))
+        return;
+    limit->stable_s = stable_s;
+    limit->tangential = tangential;
+    limit->contact_axis = axis;
+}
+
+/* Of particles among themselves, or (axis) on walls, which are counted like particles: their own spring, that of one
+ * particle, but no motion. */
+static void contacts_limit(const struct contact_law_constants *law, const struct grain_sizes *sizes, char axis,
+                           struct step_limit *limit)
+{
+    const double contacts = 1 + fmin(1, sizes->radius_m / sizes->mean_radius_m);
+    const double per_mass = contacts * (1 / sizes->lightest_kg + 1 / sizes->mean_kg);
+    limit->contact_s = fmin(limit->contact_s, PI / sqrt(2 * law->stiffness / sizes->lightest_kg));
+    take_shorter(stable_step_s(law->stiffness * per_mass, law->gamma_n * per_mass), false, axis, limit);
+    if (law->mu_s > 0)
+        take_shorter(stable_step_s(3.5 * law->kt * per_mass, 3.5 * law->gamma_t * per_mass), true, axis, limit);
+}
+
 struct step_limit step_limit_of(const struct sample *sample, const struct scene_stage *stage)
 {
     const struct grain_sizes sizes = sizes_of(&sample->particles);
-    struct contact_law_constants law = contact_law_constants_of(&stage->material, sample->pairs.model.normal);
-    contact_law_set_scale(&law, sample->pairs.model.normal, sizes.radius_m, 0);
-    const double contacts = 1 + fmin(1, sizes.radius_m / sizes.mean_radius_m);
-    const double per_mass = contacts * (1 / sizes.lightest_kg + 1 / sizes.mean_kg);
-    const double normal_s = stable_step_s(law.stiffness * per_mass, law.gamma_n * per_mass);
-    struct step_limit limit = {.stable_s = normal_s,
-                               .contact_s = PI / sqrt(2 * law.stiffness / sizes.lightest_kg),
-                               .radius_m = sizes.radius_m};
-    if (law.mu_s > 0) {
-        const double tangential_s = stable_step_s(3.5 * law.kt * per_mass, 3.5 * law.gamma_t * per_mass);
-        limit.tangential = tangential_s < normal_s;
-        limit.stable_s = fmin(normal_s, tangential_s);
+    const int normal = sample->pairs.model.normal;
+    struct step_limit limit = {.stable_s = INFINITY, .contact_s = INFINITY, .radius_m = sizes.radius_m};
+    struct contact_law_constants law = contact_law_constants_of(&stage->material, normal), of_walls[3];
+    contact_law_set_scale(&law, normal, sizes.radius_m, 0);
+    contacts_limit(&law, &sizes, '\0', &limit);
+    for (int c = 0; c < sample->particles.dimension; c++) {
+        const enum axis axis = sample_axis(sample, c);
+        of_walls[c] = contact_law_constants_of_walls(stage, axis, normal);
+        contact_law_set_scale(&of_walls[c], normal, sizes.radius_m, 0);
+        contacts_limit(&of_walls[c], &sizes, "xyz"[axis], &limit);
     }
-    walls_limit(sample, stage, &law, sizes.mean_radius_m, &limit);
+    walls_limit(sample, stage, of_walls, sizes.mean_radius_m, &limit);
     return limit;
 }
 
@@ -100,11 +121,14 @@ enum status step_limit_check(const struct sample *sample)
         const struct step_limit limit = step_limit_of(sample, stage);
         if (stage->dt_s <= limit.stable_s)
             continue;
+        char partner[32] = "";
+        if (limit.contact_axis)
+            snprintf(partner, sizeof partner, " with the walls in %c", limit.contact_axis);
         return status_fail(STATUS_CONFIG,
-                           "stage \"%s\": dt_s = %.3g s is too long for the %s contacts of the smallest particles "
+                           "stage \"%s\": dt_s = %.3g s is too long for the %s contacts of the smallest particles%s "
                            "(radius %.3g m, t_c = %.2g s): they bear up to %.2g s; dt_s = \"auto\" is accurate",
-                           stage->name, stage->dt_s, limit.tangential ? "tangential" : "normal", limit.radius_m,
-                           limit.contact_s, limit.stable_s);
+                           stage->name, stage->dt_s, limit.tangential ? "tangential" : "normal", partner,
+                           limit.radius_m, limit.contact_s, limit.stable_s);
     }
     return STATUS_OK;
 }

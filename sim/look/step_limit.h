@@ -7,7 +7,8 @@
 /* Of one stage and the lightest particle of the sample. */
 struct step_limit {
     double stable_s;      /* the longest step at which the scheme is stable */
-    bool tangential;      /* tangential springs and rotation set it */
+    bool tangential;      /* tangential springs and rotation set it; */
+    char contact_axis;    /* or contacts with the walls of this axis; 0: of particles */
     double contact_s;     /* duration of a contact of two such particles without damping, pi/sqrt(2 k/m) */
     double wall_stable_s; /* the longest at which the loops of stress-controlled walls are; INFINITY: no such walls */
     char wall_axis;       /* of the wall that sets it */

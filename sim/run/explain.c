@@ -7,6 +7,14 @@
 #include "sim/look/step_limit.h"
 #include "sim/run/sample_source.h"
 
+static double mean_radius_m(const struct particles *p)
+{
+    double sum = 0;
+    for (int i = 0; i < p->count; i++)
+        sum += p->radius[i];
+    return sum / p->count;
+}
+
 static size_t bytes_per_particle(const struct particles *p)
 {
     bool frictional = p->n_rotations > 0;
@@ -43,6 +51,25 @@ static void explain_contacts(FILE *out, const struct contact_list *list, int dim
             bytes_per_candidate(list, dimension));
 }
 
+/* Walls whose material is not that of the particles. */
+static void explain_walls(FILE *out, const struct sample *sample, const struct scene_stage *stage)
+{
+    for (int c = 0; c < sample->particles.dimension; c++) {
+        const enum axis axis = sample_axis(sample, c);
+        const int normal = sample->pairs.model.normal;
+        struct scene_material material;
+        if (!scene_wall_material(stage, axis, &material))
+            continue;
+        struct contact_law_constants law = contact_law_constants_of_walls(stage, axis, normal);
+        contact_law_set_scale(&law, normal, mean_radius_m(&sample->particles), 0);
+        fprintf(out, "    walls in %c of a material of their own: law %s, stiffness %.3g N/m", "xyz"[axis],
+                scene_law_name(material.law), law.stiffness);
+        if (sample->pairs.model.frictional)
+            fprintf(out, ", mu_s %g, mu_d %g", law.mu_s, law.mu_d);
+        fprintf(out, "\n");
+    }
+}
+
 static void explain_time_step(FILE *out, const struct sample *sample)
 {
     for (int s = 0; s < sample->scene->n_stages; s++) {
@@ -53,6 +80,7 @@ static void explain_time_step(FILE *out, const struct sample *sample)
         if (isfinite(limit.wall_stable_s))
             fprintf(out, ", wall %c up to %.2g s", limit.wall_axis, limit.wall_stable_s);
         fprintf(out, "\n");
+        explain_walls(out, sample, stage);
     }
 }
 

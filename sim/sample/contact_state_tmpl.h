@@ -38,6 +38,6 @@ static void NAME(contact_at)(const struct sample *sample, int l, int k, const st
 #endif
     pair[PAIR_ROOT_MASS] = sqrt(wall ? p->mass[i] : p->mass[i] * p->mass[j] / (p->mass[i] + p->mass[j]));
     pair[PAIR_RADIUS] = wall ? p->radius[i] : p->radius[i] * p->radius[j] / (p->radius[i] + p->radius[j]);
-    NAME(contact_look)(&sample->law, sample->dt, &at, pairs, history, f);
+    NAME(contact_look)(wall ? &sample->wall_law[wall->axis] : &sample->law, sample->dt, &at, pairs, history, f);
 }
 #endif

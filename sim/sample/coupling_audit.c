@@ -103,8 +103,8 @@ static void advice(const struct sample *sample, int w, char *text, size_t size)
     double layer = DENSE;
     for (int c = 0; c < sample->particles.dimension; c++)
         layer *= c == w / 2 ? 1 : sample_box_length_m(sample, c) / sample->audit.diameter_m;
-    stiffness[w] = fmax(stiffness[w], layer * sample->law.stiffness);
-    damping[w] = fmax(damping[w], layer * sample->law.gamma_n);
+    stiffness[w] = fmax(stiffness[w], layer * sample->wall_law[w / 2].stiffness);
+    damping[w] = fmax(damping[w], layer * sample->wall_law[w / 2].gamma_n);
     const int stable = wallctl_stable_steps(&sample->scene->coupling, axis, stiffness[w], damping[w], sample->dt);
     if (stable < 1 || sample->trajectory.n_steps == 1)
         snprintf(text, size,

@@ -64,9 +64,10 @@ struct sample {
     struct coupling_audit audit;
     enum instruction_set isa;
     struct kernels kernels;
-    struct contact_law_constants law;
-    const struct scene_material *material; /* of the stage */
-    double gravity[3];                     /* components as the particles' */
+    struct contact_law_constants law;         /* of particles among themselves; */
+    struct contact_law_constants wall_law[3]; /* and on the walls of each component */
+    const struct scene_material *material;    /* of the stage */
+    double gravity[3];                        /* components as the particles' */
     struct ledger ledger;
 
     int64_t step;

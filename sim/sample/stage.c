@@ -22,6 +22,8 @@ static void set_scale(struct sample *sample)
                                        fabs(stage->axis[k].pressure_end_pa)));
     const double area = p->dimension == 2 ? 2 * radius : 4 * radius * radius;
     contact_law_set_scale(&sample->law, sample->pairs.model.normal, radius, 4 * pressure * area);
+    for (int c = 0; c < p->dimension; c++)
+        contact_law_set_scale(&sample->wall_law[c], sample->pairs.model.normal, radius, 4 * pressure * area);
 }
 
 void sample_set_law(struct sample *sample)
@@ -29,9 +31,25 @@ void sample_set_law(struct sample *sample)
     sample->material = sample->stage < 0 ? NULL : &sample->scene->stage[sample->stage].material;
     if (sample->material) {
         sample->law = contact_law_constants_of(sample->material, sample->pairs.model.normal);
+        for (int c = 0; c < sample->particles.dimension; c++)
+            sample->wall_law[c] = contact_law_constants_of_walls(&sample->scene->stage[sample->stage],
+                                                                 sample_axis(sample, c), sample->pairs.model.normal);
         set_scale(sample);
         coupling_audit_set_law(sample);
     }
+}
+
+static const struct contact_law_constants *law_of_list(const struct sample *sample, int l)
+{
+    return l == 0 ? &sample->law : &sample->wall_law[(l - 1) / 2];
+}
+
+static bool has_springs(const struct sample *sample)
+{
+    bool all = true;
+    for (int l = 0; l <= sample->n_walls; l++)
+        all = all && law_of_list(sample, l)->springs;
+    return all;
 }
 
 /* In a stage whose friction has no springs, or that has no friction, contacts remember none. */
@@ -41,7 +59,7 @@ static enum status forget_friction(struct sample *sample)
         struct contact_list *list = l == 0 ? &sample->pairs : &sample->walls[l - 1].contacts;
         contact_list_read(list);
         for (int c = HISTORY_SPRING; c < HISTORY_COLUMNS; c++)
-            if (list->history[c] && list->count && c != HISTORY_CONTACT_RADIUS)
+            if (list->history[c] && list->count && c != HISTORY_CONTACT_RADIUS && !law_of_list(sample, l)->springs)
                 memset(list->history[c], 0, (size_t)list->count * sizeof(double));
     }
     return sample_close_lists(sample);
@@ -58,7 +76,7 @@ static enum status stage_start(struct sample *sample, int stage)
     sample->dt = next->dt_s;
     const double elastic_before = energy_held(sample_complete(sample)).elastic_j; /* with the material of before */
     sample_set_law(sample);
-    if (sample->pairs.model.frictional && !sample->law.springs)
+    if (sample->pairs.model.frictional && !has_springs(sample))
         TRY(forget_friction(sample));
     for (int w = 0; w < sample->n_walls; w++)
         sample->stage_position_m[w] = sample->walls[w].x;

@@ -17,11 +17,8 @@
 static void wall_forces(struct sample *sample, double dt)
 {
     struct contact_losses lost = {0};
-    struct contact_law_constants of_walls = sample->law;
-    of_walls.mu_s *= sample->material->wall_friction;
-    of_walls.mu_d *= sample->material->wall_friction;
     for (int w = 0; w < sample->n_walls; w++)
-        sample->kernels.wall(&sample->particles, &sample->walls[w], &of_walls, dt, &lost);
+        sample->kernels.wall(&sample->particles, &sample->walls[w], &sample->wall_law[w / 2], dt, &lost);
     contact_losses_add(&sample->ledger.contacts, &lost);
 }
 

@@ -118,7 +118,7 @@ double walls_mean_velocity_m_per_s(const struct sample *sample, int w)
 void walls_stiffness(const struct sample *sample, double *stiffness_n_per_m, double *damping_kg_per_s)
 {
     for (int w = 0; w < sample->n_walls; w++) {
-        stiffness_n_per_m[w] = sample->walls[w].touching * sample->law.stiffness;
-        damping_kg_per_s[w] = sample->walls[w].touching * sample->law.gamma_n;
+        stiffness_n_per_m[w] = sample->walls[w].touching * sample->wall_law[w / 2].stiffness;
+        damping_kg_per_s[w] = sample->walls[w].touching * sample->wall_law[w / 2].gamma_n;
     }
 }
