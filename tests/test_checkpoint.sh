@@ -63,6 +63,21 @@ expect_same_run() { # DIR DIR
     cmp "$1/run.xdmf" "$2/run.xdmf" || fail "run.xdmf differs"
 }
 
+# The run stops itself at a stated point (bench/fault_shim.c), however fast or slow it is: what is done to it then does
+# not come too late.
+start_until() { # NAME:CALL:N ARGUMENTS...
+    local point=$1
+    shift
+    FAULTS_AT=$point:STOP FAULTS_ONCE=$work/struck LD_PRELOAD=$SHAKEDOWN_BIN/bench/fault_shim.so \
+        ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 start_driver "$@"
+    wait_for sim_is_stopped
+    rm struck.0
+}
+
+sim_is_stopped() {
+    grep -q '^State:.T' "/proc/$(pid_of sim)/status" 2>/dev/null
+}
+
 start_driver() { # ARGUMENTS...
     set -m
     "$root/shakedown" run "$scene" "${settings[@]}" --out cut "$@" >cut.out 2>&1 </dev/null &
@@ -74,12 +89,8 @@ pid_of() { # NAME
     sed -n "s/^$1 //p" cut/log/pids
 }
 
-# The second checkpoint is there: the first was replaced.
-second_checkpoint() {
-    [ -f cut/checkpoint.h5 ] || return
-    [ -n "${first:-}" ] || first=$(stat -c %i%y cut/checkpoint.h5)
-    [ "$(stat -c %i%y cut/checkpoint.h5)" != "$first" ]
-}
+# The second one, or the first if that is the end of a stage: its copy is a second file. At least a stage is to come.
+readonly checkpoint=sim:rename:2
 
 driver_ended() {
     [ ! -d "/proc/$driver" ] || grep -q '^State:.*Z' "/proc/$driver/status" 2>/dev/null
@@ -90,8 +101,7 @@ driver_ended() {
 case_kill_sim() {
     shakedown run "$scene" "${settings[@]}" --out whole
     expect_code 0 $?
-    start_driver
-    wait_for second_checkpoint
+    start_until "$checkpoint"
     kill -KILL "$(pid_of sim)"
     wait_for driver_ended
     [ "$(attribute cut/run.h5 complete)" = 0 ] || fail "complete after a kill"
@@ -107,11 +117,10 @@ case_kill_sim() {
 # compressed tables may be lost, so these are left out here. Whose death the launcher sees first is not said: after the
 # recorder's the run goes on by itself, after that of sim by --resume.
 case_kill_all() {
-    settings_more=(--set record.walls=sampled --set record.event_log=false --set stages.0.duration_s=0.3)
+    settings_more=(--set record.walls=sampled --set record.event_log=false)
     shakedown run "$scene" "${settings[@]}" "${settings_more[@]}" --out whole
     expect_code 0 $?
-    start_driver "${settings_more[@]}"
-    wait_for second_checkpoint
+    start_until "$checkpoint" "${settings_more[@]}"
     kill -KILL "$(pid_of sim)" "$(pid_of recorder)" "$(pid_of wallctl)"
     wait_for driver_ended
     if [ "$(attribute cut/run.h5 complete)" = 0 ]; then
@@ -130,8 +139,7 @@ case_kill_all() {
 case_interrupt() {
     shakedown run "$scene" "${settings[@]}" --out whole
     expect_code 0 $?
-    start_driver
-    wait_for second_checkpoint
+    start_until "$checkpoint"
     kill -INT "$driver"
     wait_for driver_ended
     [ "$(attribute cut/run.h5 complete)" = 1 ] || fail "the interrupted record is not closed"
@@ -144,10 +152,8 @@ has_record() {
     [ -s cut/run.h5 ]
 }
 
-# Steps have been done: exchanges are in the log.
-has_exchanges() {
-    [ "$(stat -c %s cut/run.lcm 2>/dev/null || echo 0)" -gt 300000 ]
-}
+# In the first stage of 15000 exchanges: datagrams sent, or blocks of the log written.
+declare -rA early=([over-the-bus]=sim:send:3000 [in-process]=sim:write:5)
 
 # A first stage without a checkpoint is not lost either: one is written when the run is told to stop.
 case_first_stage() {
@@ -157,8 +163,7 @@ case_first_stage() {
         [ "$how" = over-the-bus ] || long+=(--in-process)
         shakedown run "$scene" "${long[@]}" --out whole
         expect_code 0 $?
-        start_driver "${long[@]}" --set checkpoint_interval_s=0
-        wait_for has_exchanges
+        start_until "${early[$how]}" "${long[@]}" --set checkpoint_interval_s=0
         kill -TERM "$driver"
         wait_for driver_ended
         [ "$(tail -n 1 cut.out)" = "go on with: ./shakedown run --resume $work/cut" ] || fail "no way to go on"
@@ -175,7 +180,7 @@ case_first_stage() {
 case_no_checkpoint() {
     shakedown run "$scene" --set stages.0.duration_s=0.03 --out whole
     expect_code 0 $?
-    start_driver --set stages.0.duration_s=0.03 --set checkpoint_interval_s=0
+    start_until "${early[over-the-bus]}" --set stages.0.duration_s=0.03 --set checkpoint_interval_s=0
     wait_for has_record
     kill -KILL "$(pid_of sim)"
     wait_for driver_ended
@@ -191,10 +196,9 @@ case_no_checkpoint() {
 
 # A run in one process and the same one killed and resumed.
 same_in_process() { # ARGUMENTS...
-    shakedown run "$scene" "${settings[@]}" --out whole --in-process --set stages.0.duration_s=0.3 "$@"
+    shakedown run "$scene" "${settings[@]}" --out whole --in-process "$@"
     expect_code 0 $?
-    start_driver --in-process --set stages.0.duration_s=0.3 "$@"
-    wait_for second_checkpoint
+    start_until "$checkpoint" --in-process "$@"
     kill -KILL "$(pid_of sim)"
     wait_for driver_ended
     shakedown run --resume cut
@@ -212,7 +216,6 @@ case_in_process() {
 case_schemes() {
     local scheme
     for scheme in pipelined adaptive impedance compensated; do
-        first=''
         rm -rf whole cut
         same_in_process --set "coupling.scheme=$scheme" --set coupling.interval_steps=7
     done
