@@ -120,7 +120,7 @@ struct scene_stage {
     struct scene_limits limits;
 };
 
-enum radius_distribution { RADIUS_UNIFORM, RADIUS_GAUSSIAN };
+enum radius_distribution { RADIUS_UNIFORM, RADIUS_GAUSSIAN, RADIUS_LOGNORMAL, RADIUS_TABLE };
 enum initial_state { INITIAL_LATTICE, INITIAL_RANDOM, INITIAL_CHECKPOINT, INITIAL_FILE };
 
 struct scene_sample {
@@ -130,6 +130,10 @@ struct scene_sample {
     double radius_max_m;
     double radius_mean_m; /* gaussian */
     double radius_sd_m;
+    double radius_median_m; /* lognormal */
+    double radius_log_sd;
+    char size_table[CONFIG_STRING_MAX];                /* table: its path; read into these two: */
+    struct config_floats diameters_m, passing_by_mass; /* increasing; from 0 to 1 */
     double density_kg_per_m3;
     int initial;                               /* enum initial_state */
     char checkpoint[CONFIG_STRING_MAX];        /* its path, relative to the scene file */

@@ -8,9 +8,10 @@
 
 #include "common/grain_file.h"
 #include "common/scene_check.h"
+#include "common/size_distribution.h"
 
-/* Least part of a Gaussian between its cut-offs. */
-static const double GAUSSIAN_PART = 1e-3;
+/* Least part of a distribution between its cut-offs: cut more narrowly, it is drawn from for ever. */
+static const double LEAST_PART = 1e-3;
 
 /* Paths in a scene are relative to the scene file. */
 static enum status path_resolve(const char *scene, char *path, const config_setting_t *at, const char *key)
@@ -113,12 +114,14 @@ static enum status file_take(struct scene *scene, const char *path, const config
 
 /* --- Radii that are drawn --- */
 
-/* Cut so narrowly, a distribution is drawn from for ever. */
-static double gaussian_part(const struct scene_sample *s)
+static enum status cut_check(const struct scene_sample *s, const char *name, const config_setting_t *at)
 {
-    double scale = 1 / (s->radius_sd_m * sqrt(2));
-    return 0.5 *
-           (erf((s->radius_max_m - s->radius_mean_m) * scale) - erf((s->radius_min_m - s->radius_mean_m) * scale));
+    if (size_part_within(s) >= LEAST_PART)
+        return STATUS_OK;
+    return config_fail(at, "sample",
+                       "%s radii: only %g of them lie between radius_min_m and radius_max_m; allowed: at "
+                       "least %g. For one size, or a narrow range, take size_distribution = \"uniform\"",
+                       name, size_part_within(s), LEAST_PART);
 }
 
 static enum status gaussian_check(const struct scene_sample *s, const config_setting_t *at)
@@ -126,36 +129,94 @@ static enum status gaussian_check(const struct scene_sample *s, const config_set
     if (!(s->radius_sd_m > 0 && s->radius_mean_m >= s->radius_min_m && s->radius_mean_m <= s->radius_max_m))
         return config_fail(at, "sample",
                            "gaussian radii need radius_sd_m above 0 and radius_mean_m between the cut-offs");
-    if (!(gaussian_part(s) >= GAUSSIAN_PART))
-        return config_fail(at, "sample",
-                           "gaussian radii: only %g of them lie between radius_min_m and radius_max_m; allowed: at "
-                           "least %g. For one size, or a narrow range, take radius_distribution = \"uniform\"",
-                           gaussian_part(s), GAUSSIAN_PART);
-    return STATUS_OK;
+    return cut_check(s, "gaussian", at);
+}
+
+static enum status lognormal_check(const struct scene_sample *s, const config_setting_t *at)
+{
+    if (!(s->radius_log_sd > 0 && s->radius_median_m > 0))
+        return config_fail(at, "sample", "lognormal radii need radius_median_m and radius_log_sd above 0");
+    return cut_check(s, "lognormal", at);
 }
 
 static enum status radii_check(const struct scene_sample *s, const config_setting_t *at)
 {
     if (s->radius_min_m == 0 || s->radius_max_m == 0)
-        return config_fail(at, "sample", "%s: missing; only initial = \"file\" says it otherwise",
+        return config_fail(at, "sample", "%s: missing; only a table says it otherwise",
                            s->radius_min_m == 0 ? "radius_min_m" : "radius_max_m");
     if (s->radius_max_m < s->radius_min_m)
         return config_fail(at, "sample", "radius_max_m (%g) must be at least radius_min_m (%g)", s->radius_max_m,
                            s->radius_min_m);
+    if (s->radius_distribution == RADIUS_LOGNORMAL)
+        return lognormal_check(s, at);
     return s->radius_distribution == RADIUS_GAUSSIAN ? gaussian_check(s, at) : STATUS_OK;
 }
 
-/* Of the distribution as it is drawn from; a cut Gaussian as if it were not cut. */
-static void radii_moments(struct scene_sample *s)
+/* --- Grading curves --- */
+
+/* The file becomes the two lists. */
+static enum status size_table_read(struct scene_sample *s, const char *path, const config_setting_t *at)
 {
-    const double lo = s->radius_min_m, hi = s->radius_max_m, sd = s->radius_sd_m;
-    if (s->radius_distribution == RADIUS_GAUSSIAN) {
-        s->mean_radius_m = s->radius_mean_m;
-        s->mean_cube_m3 = s->radius_mean_m * (s->radius_mean_m * s->radius_mean_m + 3 * sd * sd);
-        return;
+    static const char *const names[] = {"diameter", "passing"};
+    const struct csv_format format = {names, 2, 3, CONFIG_FLOATS_MAX};
+    struct csv_table table;
+    if (s->diameters_m.count > 0 || s->passing_by_mass.count > 0)
+        return config_fail(at, "sample", "size_table, and diameters_m with passing_by_mass, say the same: one of them");
+    TRY(path_resolve(path, s->size_table, at, "size_table"));
+    TRY(csv_table_read(&table, s->size_table, &format));
+    for (int64_t k = 0; k < table.rows; k++) {
+        s->diameters_m.value[k] = csv_value(&table, k, 0);
+        s->passing_by_mass.value[k] = csv_value(&table, k, 1);
     }
-    s->mean_radius_m = 0.5 * (lo + hi);
-    s->mean_cube_m3 = 0.25 * (lo + hi) * (lo * lo + hi * hi); /* (hi^4 - lo^4)/(4 (hi - lo)) */
+    s->diameters_m.count = s->passing_by_mass.count = table.rows;
+    memset(s->size_table, 0, sizeof s->size_table);
+    csv_table_free(&table);
+    return STATUS_OK;
+}
+
+static enum status size_table_check(const struct scene_sample *s, const config_setting_t *at)
+{
+    const struct config_floats *d = &s->diameters_m, *m = &s->passing_by_mass;
+    if (d->count < 2 || d->count != m->count)
+        return config_fail(
+            at, "sample", "a grading curve needs diameters_m and passing_by_mass, two or more of each (here %d and %d)",
+            (int)d->count, (int)m->count);
+    if (m->value[0] != 0 || m->value[m->count - 1] != 1)
+        return config_fail(at, "sample", "passing_by_mass goes from %g to %g; allowed: from 0 to 1", m->value[0],
+                           m->value[m->count - 1]);
+    for (int k = 0; k < d->count; k++) {
+        if (!(d->value[k] >= 2e-9 && d->value[k] <= 2e3))
+            return config_fail(at, "sample", "diameter %g is out of range; allowed: 2e-09 to 2000 m", d->value[k]);
+        if (k > 0 && !(d->value[k] > d->value[k - 1] && m->value[k] >= m->value[k - 1]))
+            return config_fail(at, "sample",
+                               "grading curve: (%g m, %g) comes after (%g m, %g); allowed: increasing diameters, and "
+                               "passing that does not fall",
+                               d->value[k], m->value[k], d->value[k - 1], m->value[k - 1]);
+    }
+    return STATUS_OK;
+}
+
+/* Sieves that nothing passes, or all, are no bounds of the radii. */
+static enum status size_table_take(struct scene_sample *s, const char *path, const config_setting_t *at)
+{
+    if (s->size_table[0] && path)
+        TRY(size_table_read(s, path, at));
+    TRY(size_table_check(s, at));
+    const struct config_floats *d = &s->diameters_m, *m = &s->passing_by_mass;
+    int first = 0, last = (int)d->count - 1;
+    while (m->value[first + 1] == 0)
+        first++;
+    while (m->value[last - 1] == 1)
+        last--;
+    const double least = 0.5 * d->value[first], largest = 0.5 * d->value[last];
+    if ((s->radius_min_m != 0 && s->radius_min_m != least) || (s->radius_max_m != 0 && s->radius_max_m != largest))
+        return config_fail(at, "sample",
+                           "radius_min_m and radius_max_m are those of the grading curve, %g and %g; they need not be "
+                           "given",
+                           least, largest);
+    s->radius_min_m = least;
+    s->radius_max_m = largest;
+    return STATUS_OK;
 }
 
 enum status scene_check_sample(struct scene *scene, const char *path, const config_setting_t *at)
@@ -167,8 +228,10 @@ enum status scene_check_sample(struct scene *scene, const char *path, const conf
         return STATUS_OK;
     if (s->count < 1)
         return config_fail(at, "sample", "count: missing; the number of particles");
+    if (s->radius_distribution == RADIUS_TABLE && s->initial != INITIAL_FILE)
+        TRY(size_table_take(s, path, at));
     TRY(radii_check(s, at));
-    radii_moments(s);
+    size_moments_set(s);
     if (s->initial != INITIAL_CHECKPOINT)
         return STATUS_OK;
     if (!s->checkpoint[0])

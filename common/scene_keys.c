@@ -14,7 +14,7 @@ static const char *const opposite_names[] = {"fixed", "mirror", "constant", NULL
 static const char *const course_names[] = {"smooth", "rate", "cosine", "triangle", "table", NULL};
 static const char *const target_names[] = {"constant", "ramp", "cosine", "triangle", "table", NULL};
 static const char *const keep_names[] = {"volume", "p", "q", "b", "path", NULL};
-static const char *const radius_names[] = {"uniform", "gaussian", NULL};
+static const char *const radius_names[] = {"uniform", "gaussian", "lognormal", "table", NULL};
 static const char *const initial_names[] = {"lattice", "random", "checkpoint", "file", NULL};
 static const char *const scheme_names[] = {"hold",      "jacobian",    "pipelined", "adaptive",
                                            "impedance", "compensated", NULL};
@@ -232,7 +232,10 @@ static const struct key sample_keys[] = {
     {"count", KEY_INT, OF(scene_sample, count), NULL, 1, 10000000, "0", NULL, NULL,
      "number of particles N; initial = \"file\": may be missing, or is that of the file"},
     {"radius_distribution", KEY_CHOICE, OF(scene_sample, radius_distribution), NULL, 0, 0, "uniform", radius_names,
-     NULL, "uniform in [radius_min_m, radius_max_m], or gaussian cut to that interval"},
+     NULL, "another name of size_distribution; the later of the two counts"},
+    {"size_distribution", KEY_CHOICE, OF(scene_sample, radius_distribution), NULL, 0, 0, "uniform", radius_names, NULL,
+     "radii by number: uniform in [radius_min_m, radius_max_m]; gaussian or lognormal, cut to that interval; table: a "
+     "grading curve, passing by mass against diameter"},
     {"radius_min_m", KEY_FLOAT, OF(scene_sample, radius_min_m), "m", 1e-9, 1e3, "0", NULL, NULL,
      "smallest radius; initial = \"file\": that of the file"},
     {"radius_max_m", KEY_FLOAT, OF(scene_sample, radius_max_m), "m", 1e-9, 1e3, "0", NULL, NULL,
@@ -240,6 +243,18 @@ static const struct key sample_keys[] = {
     {"radius_mean_m", KEY_FLOAT, OF(scene_sample, radius_mean_m), "m", 0, 1e3, "0", NULL, NULL, "gaussian: mean"},
     {"radius_sd_m", KEY_FLOAT, OF(scene_sample, radius_sd_m), "m", 0, 1e3, "0", NULL, NULL,
      "gaussian: standard deviation before cutting"},
+    {"radius_median_m", KEY_FLOAT, OF(scene_sample, radius_median_m), "m", 0, 1e3, "0", NULL, NULL,
+     "lognormal: median before cutting"},
+    {"radius_log_sd", KEY_FLOAT, OF(scene_sample, radius_log_sd), NULL, 0, 5, "0", NULL, NULL,
+     "lognormal: standard deviation of ln(radius) before cutting"},
+    {"diameters_m", KEY_FLOATS, OF(scene_sample, diameters_m), "m", 2e-9, 2e3, "", NULL, NULL,
+     "table: diameters of the sieves, increasing; straight lines in the logarithm of the diameter between"},
+    {"passing_by_mass", KEY_FLOATS, OF(scene_sample, passing_by_mass), NULL, 0, 1, "", NULL, NULL,
+     "table: part of the mass that is finer than each diameter, from 0 to 1. The sample has this curve at every "
+     "diameter within one particle, whatever the seed"},
+    {"size_table", KEY_STRING, OF(scene_sample, size_table), NULL, 0, 0, "", NULL, NULL,
+     "table: path of a table with a line diameter,passing, instead of the two lists; relative to the scene file, "
+     "recorded as the lists"},
     {"density_kg_per_m3", KEY_FLOAT, OF(scene_sample, density_kg_per_m3), "kg/m^3", 1e-6, 1e6, NULL, NULL, NULL,
      "density; the mass is a sphere's in 2D too [LH, D]"},
     {"initial", KEY_CHOICE, OF(scene_sample, initial), NULL, 0, 0, "lattice", initial_names, NULL,

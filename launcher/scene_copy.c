@@ -11,7 +11,7 @@
 static const struct {
     const char *key;
     const char *kept; /* its name in the run's folder; NULL: it stays where it is */
-} files[] = {{"sample.checkpoint", NULL}, {"sample.file", "grains.csv"}};
+} files[] = {{"sample.checkpoint", NULL}, {"sample.file", "grains.csv"}, {"sample.size_table", "sizes.csv"}};
 enum { FILES = sizeof files / sizeof files[0] };
 
 /* What a key says in a scene's text; NULL if there is none, to be freed. */

@@ -2,19 +2,47 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "common/size_distribution.h"
 #include "sim/base/random.h"
 #include "sim/sample/grains_from_file.h"
 #include "sim/sample/initial_packing.h"
 #include "sim/sample/packing_grid.h"
 
+static double draw_radius(const struct scene_sample *sample, struct random *random)
+{
+    switch (sample->radius_distribution) {
+    case RADIUS_GAUSSIAN:
+        return sample->radius_mean_m + sample->radius_sd_m * random_normal(random);
+    case RADIUS_LOGNORMAL:
+        return sample->radius_median_m * exp(sample->radius_log_sd * random_normal(random));
+    default:
+        return sample->radius_min_m + (sample->radius_max_m - sample->radius_min_m) * random_uniform(random);
+    }
+}
+
+/* Those of a grading curve, in any order. */
+static void deal_radii(struct particles *p, const struct scene_sample *sample, struct random *random)
+{
+    for (int i = 0; i < p->count; i++)
+        p->radius[i] = size_table_radius_m(sample, i, p->count);
+    for (int i = p->count - 1; i > 0; i--) {
+        const int j = (int)(random_uniform(random) * (i + 1));
+        const double a = p->radius[i];
+        p->radius[i] = p->radius[j];
+        p->radius[j] = a;
+    }
+}
+
 static void draw_radii(struct particles *p, const struct scene_sample *sample, struct random *random)
 {
+    if (sample->radius_distribution == RADIUS_TABLE) {
+        deal_radii(p, sample, random);
+        return;
+    }
     for (int i = 0; i < p->count; i++) {
         double a;
         do {
-            a = sample->radius_distribution == RADIUS_UNIFORM
-                    ? sample->radius_min_m + (sample->radius_max_m - sample->radius_min_m) * random_uniform(random)
-                    : sample->radius_mean_m + sample->radius_sd_m * random_normal(random);
+            a = draw_radius(sample, random);
         } while (a < sample->radius_min_m || a > sample->radius_max_m);
         p->radius[i] = a;
     }
