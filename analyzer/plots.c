@@ -35,6 +35,17 @@ static const char epilogue[] =
     "replot\n"
     "unset output\n";
 
+void plots_quoted(FILE *out, const char *text, char mark)
+{
+    fputc(mark, out);
+    for (; *text; text++) {
+        if (*text == mark)
+            fputc(mark, out);
+        fputc((unsigned char)*text < ' ' ? ' ' : *text, out);
+    }
+    fputc(mark, out);
+}
+
 /* What a script body needs. Abscissa: axial strain in per cent for a strain-controlled stage, else time. */
 struct plot {
     const struct analysis *analysis;

@@ -2,6 +2,8 @@
 #ifndef SHAKEDOWN_ANALYZER_PLOTS_H
 #define SHAKEDOWN_ANALYZER_PLOTS_H
 
+#include <stdio.h>
+
 #include "analyzer/analysis.h"
 #include "common/status.h"
 
@@ -16,5 +18,9 @@ enum status plots_write_path(const struct analysis *analysis) MUST_USE;
 
 /* Runs `gnuplot <stem>.gp` in the directory and waits for it. STATUS_IO if it is not installed or fails. */
 enum status plots_run(const char *directory, const char *stem) MUST_USE;
+
+/* Writes a text in quotes `mark`: ' as gnuplot's scripts take it, in which nothing is carried out then, " as CSV does.
+ * A line end becomes a space. */
+void plots_quoted(FILE *out, const char *text, char mark);
 
 #endif

@@ -1,4 +1,5 @@
 #include "analyzer/run_file.h"
+#include "common/config_literals.h"
 #include "common/scene_file.h"
 
 #include <errno.h>
@@ -132,11 +133,14 @@ static enum status text_set(const char *text, const char *const *settings, int n
 {
     config_t config;
     size_t size = 0;
+    char *checked;
+    TRY(config_literals(text, "effective_config", &checked)); /* no includes either */
     config_init(&config);
     enum status status = STATUS_OK;
-    if (config_read_string(&config, text) != CONFIG_TRUE)
+    if (config_read_string(&config, checked) != CONFIG_TRUE)
         status = status_fail(STATUS_CONFIG, "effective_config:%d: %s", config_error_line(&config),
                              config_error_text(&config));
+    free(checked);
     for (int k = 0; status == STATUS_OK && k < n; k++)
         status = config_override(&config, settings[k]);
     FILE *out = status == STATUS_OK ? open_memstream(result, &size) : NULL;

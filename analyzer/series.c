@@ -1,4 +1,5 @@
 #include "analyzer/series.h"
+#include "analyzer/plots.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -183,8 +184,9 @@ static enum status csv_write(const struct ensemble *ensemble, const char *key, c
     fputc('\n', out);
     for (size_t k = 0; k < ensemble->n; k++) {
         const struct ensemble_member *member = &ensemble->member[k];
-        fprintf(out, "%s\"%s\",%.12g,%lld,%s", begins_curve(ensemble, k) ? "\n\n" : "", member->name, member->key_value,
-                (long long)member->seed, member->verdict);
+        fputs(begins_curve(ensemble, k) ? "\n\n" : "", out);
+        plots_quoted(out, member->name, '"');
+        fprintf(out, ",%.12g,%lld,%s", member->key_value, (long long)member->seed, member->verdict);
         for (int id = 0; id < QUANTITIES; id++)
             fprintf(out, ",%.12g,%.12g", member->quantity[id].value, member->quantity[id].uncertainty);
         fputc('\n', out);
@@ -207,6 +209,7 @@ static bool has_points(const struct ensemble *ensemble, size_t k, enum quantity_
 static int curves_write(FILE *out, const struct ensemble *ensemble)
 {
     int block = 0, curves = 0;
+    char title[512];
     for (size_t k = 0; k < ensemble->n; k++) {
         block += begins_curve(ensemble, k);
         if (k > 0 && !begins_curve(ensemble, k))
@@ -217,9 +220,11 @@ static int curves_write(FILE *out, const struct ensemble *ensemble)
             curves++;
             fprintf(out,
                     "%s'series.csv' index %d using 2:%d:(valid(%d) ? $%d : 0) with yerrorlines linewidth 1.5 "
-                    "pointtype %d pointsize 0.8 linecolor %d dashtype %d title '%s, %s'",
+                    "pointtype %d pointsize 0.8 linecolor %d dashtype %d title ",
                     curves == 1 ? "plot " : ", \\\n     ", block, 5 + 2 * (int)c->id, 6 + 2 * (int)c->id,
-                    6 + 2 * (int)c->id, 6 + curves % 2, curves, 1 + block, ensemble->member[k].name, c->title);
+                    6 + 2 * (int)c->id, 6 + curves % 2, curves, 1 + block);
+            snprintf(title, sizeof title, "%s, %s", ensemble->member[k].name, c->title);
+            plots_quoted(out, title, '\'');
         }
     }
     fputc('\n', out);

@@ -1,14 +1,12 @@
 #include "bench/accuracy_curve.h"
 
-#include <lcm/eventlog.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/bus.h"
-#include "shakedown_end_t.h"
-#include "shakedown_sample_t.h"
+#include "common/event_log.h"
+#include "common/message.h"
 
 static enum status grow(struct curve *curve)
 {
@@ -39,41 +37,40 @@ static enum status take_sample(struct curve *curve, const shakedown_sample_t *sa
     return STATUS_OK;
 }
 
-static enum status take_event(struct curve *curve, const lcm_eventlog_event_t *event, enum curve_quantity quantity,
-                              int c, bool *ended)
+static enum status take_event(struct curve *curve, const struct event *event, enum curve_quantity quantity, int c,
+                              bool *ended)
 {
+    const int kind = message_kind(event->channel);
+    union message message;
+    if (kind != RECORD_SAMPLE && kind != RECORD_END)
+        return STATUS_OK;
+    TRY(message_decode(kind, event->data, event->size, &message));
     enum status status = STATUS_OK;
-    if (strcmp(event->channel, record_channel_name[RECORD_SAMPLE]) == 0) {
-        shakedown_sample_t sample;
-        if (shakedown_sample_t_decode(event->data, 0, event->datalen, &sample) < 0)
-            return status_fail(STATUS_FORMAT, "a sample that cannot be decoded");
-        status = take_sample(curve, &sample, quantity, c);
-        (void)shakedown_sample_t_decode_cleanup(&sample);
-    } else if (strcmp(event->channel, record_channel_name[RECORD_END]) == 0) {
-        shakedown_end_t end;
-        if (shakedown_end_t_decode(event->data, 0, event->datalen, &end) < 0)
-            return status_fail(STATUS_FORMAT, "an END that cannot be decoded");
-        *ended = end.status == 0;
-        curve->hash = end.state_hash;
-        (void)shakedown_end_t_decode_cleanup(&end);
+    if (kind == RECORD_SAMPLE) {
+        status = take_sample(curve, &message.sample, quantity, c);
+    } else {
+        *ended = message.end.status == 0;
+        curve->hash = message.end.state_hash;
     }
+    message_free(kind, &message);
     return status;
 }
 
 enum status curve_read(struct curve *curve, const char *path, enum curve_quantity quantity, int c)
 {
-    bool ended = false;
+    struct event_reader log;
+    struct event event;
+    bool ended = false, found = false;
     *curve = (struct curve){0};
-    lcm_eventlog_t *log = lcm_eventlog_create(path, "r");
-    if (!log)
-        return status_fail(STATUS_IO, "%s cannot be read", path);
-    enum status status = STATUS_OK;
-    lcm_eventlog_event_t *event;
-    while (status == STATUS_OK && (event = lcm_eventlog_read_next_event(log)) != NULL) {
-        status = take_event(curve, event, quantity, c, &ended);
-        lcm_eventlog_free_event(event);
+    enum status status = event_reader_open(&log, path);
+    if (status == STATUS_OK)
+        status = event_reader_next(&log, &event, &found);
+    while (status == STATUS_OK && found) {
+        status = take_event(curve, &event, quantity, c, &ended);
+        if (status == STATUS_OK)
+            status = event_reader_next(&log, &event, &found);
     }
-    lcm_eventlog_destroy(log);
+    event_reader_close(&log);
     if (status == STATUS_OK && (curve->count == 0 || !ended))
         status = status_fail(STATUS_FORMAT, "%s: %s", path, ended ? "no samples" : "the run did not end well");
     if (status != STATUS_OK)

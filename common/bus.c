@@ -51,22 +51,40 @@ static enum status url_complete(const char *url, char full[URL_MAX])
     const char *option = NULL;
     if (starts_with(url, UDPM_SCHEME) && !strstr(url, "recv_buf_size="))
         option = RECV_BUF_SIZE;
-    if (starts_with(url, LOG_SCHEME) && !(strchr(url, '?') && strstr(strchr(url, '?'), "speed=")))
-        option = "speed=0";
     int length =
         snprintf(full, URL_MAX, "%s%s%s", url, option ? (strchr(url, '?') ? "&" : "?") : "", option ? option : "");
     return length < URL_MAX ? STATUS_OK : status_fail(STATUS_USAGE, "the LCM URL is longer than %d bytes", URL_MAX - 1);
 }
 
-static enum status log_create(struct bus *bus, const char *url, bool append)
+static enum status open_failure(const char *url)
+{
+    if (starts_with(url, UDPM_SCHEME))
+        return status_fail(STATUS_BUS,
+                           "cannot open the LCM bus \"%s\": most likely there is no multicast route, or a firewall "
+                           "drops multicast; try " NO_MULTICAST_FIX,
+                           url);
+    if (starts_with(url, LOG_SCHEME))
+        return status_fail(STATUS_BUS, "cannot read the event log \"%s\": missing, empty or not an LCM log", url);
+    return status_fail(STATUS_BUS, "cannot open the LCM bus \"%s\": not a URL that LCM knows", url);
+}
+
+static enum status log_open(struct bus *bus, const char *url, const char *mode)
 {
     char path[URL_MAX];
     snprintf(path, sizeof path, "%s", url + strlen(LOG_SCHEME));
     char *options = strchr(path, '?');
     if (options)
         *options = '\0';
-    TRY(event_writer_open(&bus->log, path, append ? EVENT_START_APPEND : EVENT_START_NEW));
-    bus->lcm = lcm_create("memq://"); /* takes subscriptions; nothing ever comes */
+    if (mode) {
+        TRY(event_writer_open(&bus->log, path, mode[0] == 'a' ? EVENT_START_APPEND : EVENT_START_NEW));
+    } else {
+        bus->replay = calloc(1, sizeof *bus->replay);
+        if (!bus->replay)
+            return status_fail(STATUS_NO_MEMORY, "no memory to read a log");
+        if (event_reader_open(bus->replay, path) != STATUS_OK)
+            return open_failure(url);
+    }
+    bus->lcm = lcm_create("memq://"); /* takes subscriptions; nothing comes of itself */
     return bus->lcm ? STATUS_OK : status_fail(STATUS_BUS, "cannot set up LCM without a network");
 }
 
@@ -83,22 +101,12 @@ static lcm_t *lcm_create_quiet(const char *url, bool *receives)
     return lcm;
 }
 
-static enum status open_failure(const char *url)
-{
-    if (starts_with(url, UDPM_SCHEME))
-        return status_fail(STATUS_BUS,
-                           "cannot open the LCM bus \"%s\": most likely there is no multicast route, or a firewall "
-                           "drops multicast; try " NO_MULTICAST_FIX,
-                           url);
-    if (starts_with(url, LOG_SCHEME))
-        return status_fail(STATUS_BUS, "cannot read the event log \"%s\": missing, empty or not an LCM log", url);
-    return status_fail(STATUS_BUS, "cannot open the LCM bus \"%s\": not a URL that LCM knows", url);
-}
-
-/* "w", "a", or NULL for a log that is read; url_complete saw to the question mark. */
+/* "w", "a", or NULL for a log that is read. */
 static const char *log_write_mode(const char *url)
 {
     const char *options = strchr(url, '?');
+    if (!options)
+        return NULL;
     return strstr(options, "mode=w") ? "w" : strstr(options, "mode=a") ? "a" : NULL;
 }
 
@@ -109,9 +117,8 @@ static enum status open_url(struct bus *bus, const char *url, bool direct)
     memset(bus, 0, sizeof *bus);
     TRY(url_complete(url_resolve(url), full));
     bus->is_log = starts_with(full, LOG_SCHEME);
-    const char *mode = bus->is_log ? log_write_mode(full) : NULL;
-    if (mode) {
-        enum status status = log_create(bus, full, mode[0] == 'a');
+    if (bus->is_log) {
+        enum status status = log_open(bus, full, log_write_mode(full));
         if (status != STATUS_OK)
             bus_close(bus);
         return status;
@@ -142,6 +149,9 @@ void bus_close(struct bus *bus)
         lcm_destroy(bus->lcm);
     if (event_writer_close(bus->log) != STATUS_OK)
         fprintf(stderr, "shakedown: warning: %s\n", status_message()); /* bus_flush says it in time */
+    if (bus->replay)
+        event_reader_close(bus->replay);
+    free(bus->replay);
     memset(bus, 0, sizeof *bus);
 }
 
@@ -248,12 +258,29 @@ enum status bus_wait(struct bus *bus, int timeout_ms, bool busy, bool *handled)
     }
 }
 
+/* Gives the next message of the log to those who have subscribed to its channel. */
+static enum status log_handle(struct bus *bus, bool *handled)
+{
+    struct event event;
+    TRY(event_reader_next(bus->replay, &event, handled));
+    if (!*handled)
+        return STATUS_OK;
+    if (lcm_publish(bus->lcm, event.channel, event.data, (unsigned)event.size) != 0)
+        return status_fail(STATUS_BUS, "cannot pass on a message of %s", event.channel);
+    struct pollfd waiting = {.fd = lcm_get_fileno(bus->lcm), .events = POLLIN};
+    if (poll(&waiting, 1, 0) > 0 && lcm_handle(bus->lcm) != 0)
+        return status_fail(STATUS_BUS, "cannot handle a message of %s", event.channel);
+    return STATUS_OK;
+}
+
 /* lcm_handle_timeout is not used: when a signal interrupts its wait it goes on to block without a limit. */
 enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
 {
     *handled = false;
     if (bus->log) /* nobody to wait for */
         return STATUS_OK;
+    if (bus->replay)
+        return log_handle(bus, handled);
     if (bus->direct)
         return direct_handle(bus->direct, timeout_ms, handled);
     struct pollfd waiting = {.fd = lcm_get_fileno(bus->lcm), .events = POLLIN};
@@ -263,7 +290,7 @@ enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
     if (ready <= 0)
         return STATUS_OK;
     *handled = lcm_handle(bus->lcm) == 0;
-    if (!*handled && !bus->is_log) /* on a log it is the end of the file */
+    if (!*handled)
         return status_fail(STATUS_BUS, "LCM cannot handle a message: %s", strerror(errno));
     return STATUS_OK;
 }

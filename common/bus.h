@@ -42,13 +42,14 @@ struct bus {
     struct direct *direct; /* receives instead of LCM; NULL: LCM does */
     lcm_t *lcm;            /* NULL: not open. Publish through bus_publish: a log that is written does not hear of it */
     bool is_log;           /* file:// URL: nobody answers */
-    struct event_writer *log; /* a log that is written */
+    struct event_writer *log;    /* a log that is written */
+    struct event_reader *replay; /* a log that is read: its messages come through an LCM of this process alone */
 };
 
 /* Opens `url`; NULL or "" means $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0. A udpm URL without
  * recv_buf_size gets recv_buf_size=4194304 appended.
- * A file:// URL reads the log as fast as possible (speed=0 is appended), writes it with ?mode=w, or goes on with
- * ?mode=a. STATUS_BUS with the likely cause (no multicast route) on failure. */
+ * A file:// URL reads the log, a message with each bus_handle, writes it with ?mode=w, or goes on with ?mode=a.
+ * STATUS_BUS with the likely cause (no multicast route) on failure. */
 enum status bus_open(struct bus *bus, const char *url) MUST_USE;
 
 /* The same, but receives in the caller's thread (common/direct.h) where the URL lets it: quick answers, for those who

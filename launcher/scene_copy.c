@@ -5,7 +5,10 @@
 #include <libconfig.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+#include "common/config_literals.h"
 
 /* Files that a scene names. */
 static const struct {
@@ -19,11 +22,15 @@ static char *path_of(const char *text, const char *key)
 {
     config_t config;
     const char *value = NULL;
-    char *path = NULL;
+    char *path = NULL, *checked;
+    if (config_literals(text, "scene", &checked) != STATUS_OK) /* sim says what is wrong, an include too */
+        return NULL;
     config_init(&config);
-    if (config_read_string(&config, text) == CONFIG_TRUE && config_lookup_string(&config, key, &value) == CONFIG_TRUE)
+    if (config_read_string(&config, checked) == CONFIG_TRUE &&
+        config_lookup_string(&config, key, &value) == CONFIG_TRUE)
         path = g_strdup(value);
     config_destroy(&config);
+    free(checked);
     return path;
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/config_literals.h"
 #include "studies/files.h"
 
 #define OF(type, member) offsetof(struct type, member)
@@ -593,7 +594,11 @@ static enum status scene_assignments_add(struct study *study, const char *const 
 
 static enum status parse(struct study *study, config_t *config, const char *const *set, int n_set)
 {
-    if (config_read_string(config, study->text) != CONFIG_TRUE)
+    char *checked; /* numbers as they are, and no includes */
+    TRY(config_literals(study->text, study->path, &checked));
+    const int read = config_read_string(config, checked);
+    free(checked);
+    if (read != CONFIG_TRUE)
         return status_fail(STATUS_CONFIG, "%s:%d: %s", study->path, config_error_line(config),
                            config_error_text(config));
     for (int k = 0; k < n_set; k++)

@@ -9,6 +9,12 @@ target_link_libraries(test_launcher PRIVATE shakedown_launcher PkgConfig::CMOCKA
 add_test(NAME launcher COMMAND test_launcher)
 set_tests_properties(launcher PROPERTIES LABELS unit TIMEOUT 30)
 
+# It listens: what a folder names as its bus is not opened for writing.
+add_test(NAME watch_writes_nothing
+         COMMAND sh -c "rm -f watched.lcm; \"$0\" --run-id 1 --lcm 'file://watched.lcm?mode=w' 2>said.txt; [ $? = 2 ] && grep -q 'no bus to listen to' said.txt && [ ! -e watched.lcm ]"
+                 $<TARGET_FILE:shakedown-watch>)
+set_tests_properties(watch_writes_nothing PROPERTIES LABELS unit TIMEOUT 30)
+
 # Cases with fakes in place of the processes: quick, and every way in which one may end.
 foreach(case usage run broken_scene ports interrupt hang failure restart signals orphans controller url private)
   add_test(NAME driver_fake_${case} COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_driver.sh fake_${case})

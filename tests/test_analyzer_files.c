@@ -117,6 +117,29 @@ static void of_an_earlier_version(void **state)
     assert_refused(place->directory, STATUS_FORMAT, "/samples/interface_residual_j/value: missing");
 }
 
+/* What run.h5 says is data: no file that it names is read into the configuration, with settings on top or without. */
+static void includes_are_refused(void **state)
+{
+    const struct place *place = *state;
+    static const char *const settings[] = {"analysis.peak_band=0.1"};
+    char path[512], text[8192];
+    struct run written, read;
+    fixture_run(&written, fixture_biaxial_config, 10);
+    snprintf(path, sizeof path, "%s/other.cfg", place->directory);
+    FILE *other = fopen(path, "w");
+    assert_non_null(other);
+    assert_true(fputs("seed = 5;\n", other) >= 0);
+    assert_int_equal(fclose(other), 0);
+    snprintf(text, sizeof text, "@include \"%s\"\n%s", path, fixture_biaxial_config);
+    fixture_write(&written, text, place->directory, NULL);
+    snprintf(path, sizeof path, "%s/run.h5", place->directory);
+    for (int n = 0; n < 2; n++) {
+        assert_int_equal(run_read_set(&read, path, settings, n), STATUS_CONFIG);
+        assert_non_null(strstr(status_message(), "@include is not allowed"));
+    }
+    run_free(&written);
+}
+
 /* A file of a version that had the samples where the frames' now are. */
 static void samples_where_they_were(void **state)
 {
@@ -396,6 +419,7 @@ int main(int argc, char **argv)
         cmocka_unit_test_setup_teardown(missing_parts, setup, teardown),
         cmocka_unit_test_setup_teardown(of_an_earlier_version, setup, teardown),
         cmocka_unit_test_setup_teardown(samples_where_they_were, setup, teardown),
+        cmocka_unit_test_setup_teardown(includes_are_refused, setup, teardown),
         cmocka_unit_test_setup_teardown(truncated, setup, teardown),
         cmocka_unit_test_setup_teardown(wrong_content, setup, teardown),
         cmocka_unit_test_setup_teardown(unequal_lengths, setup, teardown),

@@ -5,7 +5,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "analyzer/plots.h"
 #include "analyzer/series.h"
 
 static void keys(void **state)
@@ -46,11 +48,11 @@ static void make(struct ensemble *ensemble)
 
 static char *content_of(const char *path)
 {
-    char *text = calloc(1, 16384);
+    char *text = calloc(1, 65536);
     FILE *in = fopen(path, "r");
     assert_non_null(in);
     assert_non_null(text);
-    assert_true(fread(text, 1, 16383, in) > 0);
+    assert_true(fread(text, 1, 65535, in) > 0);
     assert_int_equal(fclose(in), 0);
     return text;
 }
@@ -81,8 +83,39 @@ static void table(void **state)
     ensemble_free(&ensemble);
 }
 
+/* A run's name is data: to gnuplot as to the table. What it says would leave a file if any of it were carried out. */
+static void a_name_is_a_text(void **state)
+{
+    static const char odd[] = "it's `touch beacon` \"$(touch beacon)\"\n'; system('touch beacon') #";
+    struct ensemble ensemble = {0};
+    char directory[512], path[600];
+    int curves = 0;
+    (void)state;
+    make(&ensemble);
+    for (int k = 0; k < 4; k++)
+        snprintf(ensemble.member[k].name, sizeof ensemble.member[k].name, "%s", odd);
+    fixture_directory_make(directory, sizeof directory);
+    assert_int_equal(series_write(&ensemble, "material.mu_s", directory, &curves), STATUS_OK);
+    assert_int_equal(curves, 1);
+    if (plots_run(directory, "series") != STATUS_OK)
+        fail_msg("%s", status_message());
+    snprintf(path, sizeof path, "%s/beacon", directory);
+    assert_int_equal(access(path, F_OK), -1);
+    snprintf(path, sizeof path, "%s/series.svg", directory);
+    char *text = content_of(path);
+    assert_non_null(strstr(text, "it's `touch beacon` \"$(touch beacon)\" '; system('touch beacon') #"));
+    free(text);
+    snprintf(path, sizeof path, "%s/series.csv", directory);
+    text = content_of(path);
+    assert_non_null(strstr(text, "\n\"it's `touch beacon` \"\"$(touch beacon)\"\" '; system('touch beacon') #\",0.5,"));
+    free(text);
+    fixture_directory_remove(directory);
+    ensemble_free(&ensemble);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(keys), cmocka_unit_test(table)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(keys), cmocka_unit_test(table),
+                                       cmocka_unit_test(a_name_is_a_text)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -46,7 +46,7 @@ static enum status replay(const struct command_line *line, const struct scene *s
     char url[4096];
     struct bus bus;
     struct replay_counts counts;
-    if (snprintf(url, sizeof url, "file://%s?speed=0", log_path) >= (int)sizeof url)
+    if (snprintf(url, sizeof url, "file://%s", log_path) >= (int)sizeof url)
         return status_fail(STATUS_USAGE, "the path of the log is too long");
     TRY(bus_open(&bus, url));
     enum status status = replay_run(&bus, scene, line->run_id_given, line->run_id, &counts);

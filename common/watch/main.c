@@ -112,6 +112,19 @@ static enum status parse_timeout(const char *text, double *timeout_s)
     return STATUS_OK;
 }
 
+/* A folder may come from anywhere: a file:// URL in it would have watch write a file. */
+static enum status url_check(const char *url)
+{
+    static const char *const networks[] = {"udpm://", "tcpq://", "memq://"};
+    for (size_t k = 0; url && k < sizeof networks / sizeof *networks; k++) {
+        if (strncmp(url, networks[k], strlen(networks[k])) == 0)
+            return STATUS_OK;
+    }
+    if (!url || !url[0])
+        return STATUS_OK;
+    return status_fail(STATUS_USAGE, "\"%.200s\" is no bus to listen to: udpm://, tcpq:// or memq://", url);
+}
+
 static enum status run(int argc, char **argv)
 {
     const char *timeout = NULL;
@@ -131,6 +144,7 @@ static enum status run(int argc, char **argv)
     watch.run_id = line.run_id;
     signal(SIGTTOU, SIG_IGN); /* it writes from the background */
     TRY(signals_install());
+    TRY(url_check(line.lcm_url));
     TRY(bus_open(&bus, line.lcm_url));
     enum status status = watch_run(&watch, &bus, timeout_s);
     clear_line(&watch);

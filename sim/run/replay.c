@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "common/message.h"
-#include "shakedown_end_t.h"
 
 static bool belongs(struct replay *r, const struct message_header *header)
 {
@@ -144,30 +143,26 @@ static void on_end(const lcm_recv_buf_t *buffer, const char *channel, void *user
 {
     struct replay *r = user;
     struct message_header header;
-    shakedown_end_t end = {0};
+    union message message;
     (void)channel;
     if (!message_header_read(buffer->data, buffer->data_size, &header) ||
-        header.fingerprint != __shakedown_end_t_get_hash()) {
+        message_decode(RECORD_END, buffer->data, buffer->data_size, &message) != STATUS_OK) {
         r->counts.malformed++;
         return;
     }
-    if (!belongs(r, &header))
-        return;
-    if (shakedown_end_t_decode(buffer->data, 0, (int)buffer->data_size, &end) < 0) {
-        r->counts.malformed++;
-        return;
+    if (belongs(r, &header)) {
+        r->ended = true;
+        r->end_step = message.end.step;
+        r->end_hash = message.end.state_hash;
     }
-    r->ended = true;
-    r->end_step = end.step;
-    r->end_hash = end.state_hash;
-    shakedown_end_t_decode_cleanup(&end);
+    message_free(RECORD_END, &message);
 }
 
 enum status replay_open(struct replay *r, const char *path, bool run_id_given, int64_t run_id)
 {
     char url[4096];
     *r = (struct replay){.run_known = run_id_given, .run_id = run_id};
-    if (snprintf(url, sizeof url, "file://%s?speed=0", path) >= (int)sizeof url)
+    if (snprintf(url, sizeof url, "file://%s", path) >= (int)sizeof url)
         return status_fail(STATUS_USAGE, "the path of the log is too long");
     TRY(bus_open(&r->bus, url));
     enum status status = bus_subscribe(&r->bus, CHANNEL_WALL_STATE, on_state, r);
