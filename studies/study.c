@@ -594,11 +594,10 @@ static enum status scene_assignments_add(struct study *study, const char *const 
 
 static enum status parse(struct study *study, config_t *config, const char *const *set, int n_set)
 {
-    char *checked; /* numbers as they are, and no includes */
+    char *checked; /* no includes, and no numbers that libconfig would change; arrays of integers stay what they are */
     TRY(config_literals(study->text, study->path, &checked));
-    const int read = config_read_string(config, checked);
     free(checked);
-    if (read != CONFIG_TRUE)
+    if (config_read_string(config, study->text) != CONFIG_TRUE)
         return status_fail(STATUS_CONFIG, "%s:%d: %s", study->path, config_error_line(config),
                            config_error_text(config));
     for (int k = 0; k < n_set; k++)

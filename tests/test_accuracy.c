@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "bench/accuracy_curve.h"
+#include "common/bus.h"
 #include "shakedown_end_t.h"
 #include "shakedown_sample_t.h"
 #include "sim_fixture.h"
@@ -91,7 +92,17 @@ static void add_sample(lcm_eventlog_t *log, double time_s)
 static void add_end(lcm_eventlog_t *log, int status)
 {
     uint8_t data[512];
-    shakedown_end_t end = {.status = status, .reason = (char *)"", .state_hash = 42};
+    int64_t numbers[RECORD_CHANNELS] = {0};
+    char *channels[RECORD_CHANNELS];
+    for (int c = 0; c < RECORD_CHANNELS; c++)
+        channels[c] = (char *)record_channel_name[c];
+    shakedown_end_t end = {.status = status,
+                           .reason = (char *)"",
+                           .state_hash = 42,
+                           .n_channels = RECORD_CHANNELS,
+                           .channel = channels,
+                           .total = numbers,
+                           .hash = numbers};
     add_event(log, "END", data, shakedown_end_t_encode(data, 0, sizeof data, &end));
 }
 
