@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -44,6 +45,7 @@ static int n_strikes;
 static long calls[CALLS];
 static double loss, duplicate, reorder, delay_s;
 static uint64_t random_state;
+static double clock_at_s, clock_step_s, begun_s;
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t more;
@@ -54,6 +56,7 @@ static int (*real_rename)(const char *, const char *);
 static int (*real_fsync)(int);
 static ssize_t (*real_write)(int, const void *, size_t);
 static ssize_t (*real_sendmsg)(int, const struct msghdr *, int);
+static int (*real_clock_gettime)(clockid_t, struct timespec *);
 
 /* --- What is stood in for --- */
 
@@ -73,6 +76,7 @@ static void find_originals(void)
     *(void **)&real_rename = original("rename");
     *(void **)&real_fsync = original("fsync");
     *(void **)&real_write = original("write");
+    *(void **)&real_clock_gettime = original("clock_gettime");
     *(void **)&real_sendmsg = original("sendmsg");
 }
 
@@ -165,14 +169,44 @@ ssize_t write(int file, const void *data, size_t size)
     return result;
 }
 
-/* --- The network --- */
-
 static double now_s(void)
 {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    real_clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
+
+/* --- The wall clock --- */
+
+int clock_gettime(clockid_t clock, struct timespec *now)
+{
+    find_originals();
+    int result = real_clock_gettime(clock, now);
+    if (result == 0 && clock_step_s != 0 && (clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE) &&
+        now_s() - begun_s > clock_at_s)
+        now->tv_sec += (time_t)clock_step_s;
+    return result;
+}
+
+int gettimeofday(struct timeval *restrict now, void *restrict zone)
+{
+    struct timespec fine;
+    (void)zone;
+    int result = clock_gettime(CLOCK_REALTIME, &fine);
+    *now = (struct timeval){fine.tv_sec, fine.tv_nsec / 1000};
+    return result;
+}
+
+time_t time(time_t *result)
+{
+    struct timespec fine;
+    clock_gettime(CLOCK_REALTIME, &fine);
+    if (result)
+        *result = fine.tv_sec;
+    return fine.tv_sec;
+}
+
+/* --- The network --- */
 
 /* splitmix64: whether something of this probability happens */
 static bool happens(double probability)
@@ -295,7 +329,10 @@ __attribute__((constructor)) static void begin(void)
     if (pthread_condattr_init(&monotonic) != 0 || pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC) != 0 ||
         pthread_cond_init(&more, &monotonic) != 0)
         abort();
-    const char *at = getenv("FAULTS_AT"), *net = getenv("FAULTS_NET");
+    begun_s = now_s();
+    const char *at = getenv("FAULTS_AT"), *net = getenv("FAULTS_NET"), *clock = getenv("FAULTS_CLOCK");
+    if (clock && *clock && sscanf(clock, "%lf:%lf", &clock_at_s, &clock_step_s) != 2)
+        refuse("FAULTS_CLOCK", clock);
     for (int k = 0; at && *at; k++) {
         char text[4 * WORD_MAX];
         const size_t length = strcspn(at, ",");

@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# Runs that are disturbed must come to the same record: ./shakedown bench faults [--n N] [--seed N] [--kinds LIST]
-# Each kind of fault below is tried N times (default 10) at random moments of a run of a second (tests/scenes/gentle.cfg).
+# Runs that are disturbed must come to the same record:
+#   ./shakedown bench faults [--n N] [--seed N] [--kinds LIST] [--stop SECONDS] [--kills N]
+# Each kind of fault below is tried N times (default 10) at random moments of a run of a second (tests/scenes/gentle.cfg);
+# kills_many and kills_at_calls are runs with up to KILLS kills each (default 12), which are counted one by one.
 # What the driver does not mend by itself is gone on with by `./shakedown run --resume`. Prints how often each was tried
 # and what came out. Exit code 1 if a run was lost, hung, or differs from the undisturbed one.
 set -uo pipefail
@@ -21,9 +23,11 @@ if [ -z "${FAULTS_MOUNTS:-}" ]; then
     FAULTS_MOUNTS=1 exec unshare "${user[@]}" --mount -- "$BASH" "${BASH_SOURCE[0]}" "$@"
 fi
 
-read_options '' '--n --seed --kinds' '--n --seed --kinds' "$@"
+read_options '' '--n --seed --kinds --stop --kills' '--n --seed --kinds --stop --kills' "$@"
 n=${given[--n]:-10}
 RANDOM=${given[--seed]:-1}
+readonly stop_s=${given[--stop]:-3} # how long stop_any holds a process
+readonly kills_per_run=${given[--kills]:-12}
 out=$(mktemp -d) || exit 5
 trap 'end_driver; cd /; umount "$out" 2>/dev/null; rm -rf "$out"' EXIT
 mount -t tmpfs -o size=200m faults "$out" || exit 5
@@ -33,6 +37,10 @@ exec 3>&2 2>bash.err # where bash tells of every process that was killed
 
 readonly scene=$root/tests/scenes/gentle.cfg
 readonly settings=(--set checkpoint_interval_s=0.05 --set stages.0.duration_s=0.03 --set record.walls=sampled)
+# Over a bad network: all exchanges recorded, and few of them, as each costs round trips. Its undisturbed run is another.
+readonly net_settings=(--set stages.0.duration_s=0.03 --set coupling.scheme=impedance --set coupling.interval_steps=64)
+readonly shim=$bin/bench/fault_shim.so
+declare -A kills=([sim]=0 [wallctl]=0 [recorder]=0 [launcher]=0)
 declare -A tried=() mended=() resumed=() refused=() bad=() longest_ms=()
 driver=''
 
@@ -91,9 +99,12 @@ fingerprint() { # DIR: what two equal runs have in common
     local group
     h5dump -a complete "$1/run.h5" | grep -q '(0): 1' || return
     h5dump -a state_hash "$1/run.h5" | tail -n +2
-    for group in observables particles connectivity frames; do
-        h5dump -g "/$group" "$1/run.h5" | tail -n +2
-    done | cksum
+    {
+        h5dump -d /notes "$1/run.h5" | tail -n +2
+        for group in samples observables particles connectivity frames; do
+            h5dump -g "/$group" "$1/run.h5" | tail -n +2
+        done
+    } | cksum
 }
 
 count() { # KIND WHAT
@@ -108,8 +119,8 @@ note_bad() { # KIND WHY
 }
 
 # Goes on until the run is whole, and compares.
-judge() { # KIND
-    local k
+judge() { # KIND [FINGERPRINT]
+    local k wanted=${2:-$whole}
     [ "${longest_ms[$1]:-0}" -ge "$ended_ms" ] || longest_ms[$1]=$ended_ms
     [ "$code" -ne 124 ] || { note_bad "$1" "the driver hung" && return; }
     [ "$ended_ms" -le "${settle_after_s}000" ] || note_bad "$1" "the driver took $ended_ms ms to end"
@@ -121,7 +132,7 @@ judge() { # KIND
     done
     if [ "$code" -ne 0 ]; then
         note_bad "$1" "cannot be gone on with: exit code $code"
-    elif [ "$(fingerprint run)" != "$whole" ]; then
+    elif [ "$(fingerprint run)" != "$wanted" ]; then
         note_bad "$1" "another record"
     elif [ "$k" -eq 0 ]; then
         count "$1" mended
@@ -172,7 +183,7 @@ fault_stop_any() {
     local pid
     pid=$(process "${kinds_of_processes[RANDOM % 3]}")
     hit STOP ${pid:+"$pid"} || return
-    sleep 3
+    sleep "$stop_s"
     hit CONT "$pid"
     return 0
 }
@@ -199,6 +210,101 @@ trial() { # KIND
         await_driver
     done
     note_bad "$1" "never struck"
+}
+
+# --- Many kills in one run ---------------------------------------------------------------------------------------------
+
+more_restarts=(--keep-going --restarts 100)
+
+driver_is_there() {
+    [ -d "/proc/$driver" ] && ! grep -q '^State:.Z' "/proc/$driver/status" 2>/dev/null
+}
+
+# One of the processes, taken at random, about every tenth of a second, until the run is over.
+trial_kills_many() {
+    local k names=("${kinds_of_processes[@]}" launcher) name
+    rm -rf run
+    start_driver "$scene" "${settings[@]}" "${more_restarts[@]}" --out run
+    for ((k = 0; k < kills_per_run; k++)); do
+        sleep "$(printf '0.%03d' $((RANDOM % 250)))"
+        if ! driver_is_there; then
+            await_driver
+            [ "$code" -ne 0 ] || break
+            flock -w "$settle_after_s" run/log true
+            start_driver --resume run "${more_restarts[@]}"
+            continue
+        fi
+        name=${names[RANDOM % 4]}
+        "fault_kill_$name" || continue
+        count kills_many tried
+        kills[$name]=$((kills[$name] + 1))
+    done
+    [ -z "$driver" ] || await_driver
+    judge kills_many
+}
+
+# Sets `strikes`: NAME:CALL:N:KILL, of which any may strike, once. Renames and fsyncs are few, the other calls many.
+random_strikes() {
+    local k name call n
+    local points=(sim:rename sim:fsync sim:write sim:send recorder:rename recorder:fsync recorder:write recorder:send
+        wallctl:send wallctl:send launcher:write launcher:write)
+    strikes=()
+    for ((k = 0; k < kills_per_run; k++)); do
+        IFS=: read -r name call <<<"${points[RANDOM % ${#points[@]}]}"
+        n=$((1 + RANDOM % 6))
+        [ "$call" = rename ] || [ "$call" = fsync ] || n=$((1 + RANDOM % (1 << (RANDOM % 12))))
+        strikes+=("$name:$call:$n:KILL")
+    done
+}
+
+# Right after a call that matters: a rename, an fsync, a block written, a message sent.
+trial_kills_at_calls() {
+    local k strikes
+    random_strikes
+    rm -rf run struck.*
+    printf -v FAULTS_AT '%s,' "${strikes[@]}"
+    export FAULTS_AT=${FAULTS_AT%,} FAULTS_ONCE=$out/struck LD_PRELOAD=$shim
+    start_driver "$scene" "${settings[@]}" "${more_restarts[@]}" --out run
+    await_driver
+    for ((k = 0; code != 0 && code != 124 && k < kills_per_run; k++)); do
+        flock -w "$settle_after_s" run/log true
+        start_driver --resume run "${more_restarts[@]}"
+        await_driver
+    done
+    unset FAULTS_AT FAULTS_ONCE LD_PRELOAD
+    for k in "${!strikes[@]}"; do
+        [ -e "struck.$k" ] || continue
+        count kills_at_calls tried
+        kills[${strikes[k]%%:*}]=$((kills[${strikes[k]%%:*}] + 1))
+    done
+    judge kills_at_calls
+}
+
+# --- A bad network, a wrong clock --------------------------------------------------------------------------------------
+
+disturbed() { # KIND FINGERPRINT ARGUMENTS-OF-RUN...: with the shim's settings in the environment
+    rm -rf run
+    LD_PRELOAD=$shim start_driver "$scene" "${@:3}" --out run
+    await_driver
+    count "$1" tried
+    judge "$1" "$2"
+}
+
+net() { # KIND FAULTS
+    FAULTS_NET=$2,seed=$RANDOM disturbed "$1" "$whole_net" "${net_settings[@]}"
+}
+
+trial_loss_1() { net loss_1 loss=0.01; }
+trial_loss_5() { net loss_5 loss=0.05; }
+trial_loss_20() { net loss_20 loss=0.2; }
+trial_duplicates() { net duplicates duplicate=0.2; }
+trial_reorder() { net reorder reorder=0.2; }
+trial_delay() { net delay delay_s=0.01; }
+trial_all_of_it() { net all_of_it loss=0.05,duplicate=0.05,reorder=0.05,delay_s=0.001; }
+
+# An hour back, in all processes, at a random moment.
+trial_clock_back() {
+    FAULTS_CLOCK=$(printf '0.%03d:-3600' $((RANDOM % 1000))) disturbed clock_back "$whole" "${settings[@]}"
 }
 
 # --- Faults at the start: the run is refused with a reason, and nothing is left behind. -------------------------------
@@ -240,13 +346,18 @@ trial_folder_removed() {
 # --- The table -------------------------------------------------------------------------------------------------------
 
 read -ra kinds <<<"${given[--kinds]:-kill_sim kill_wallctl kill_recorder kill_launcher kill_all term_all signal_any \
-stop_any full_disk read_only folder_removed}"
+stop_any full_disk read_only folder_removed kills_many kills_at_calls loss_1 loss_5 loss_20 duplicates reorder delay \
+all_of_it clock_back}"
 
 start_driver "$scene" "${settings[@]}" --out whole
 await_driver
 [ "$code" -eq 0 ] || { cat last.out && exit 1; }
 whole=$(fingerprint whole)
 whole_ms=$((ended_ms < 1000 ? ended_ms : 999))
+start_driver "$scene" "${net_settings[@]}" --out whole_net
+await_driver
+[ "$code" -eq 0 ] || { cat last.out && exit 1; }
+whole_net=$(fingerprint whole_net)
 
 for kind in "${kinds[@]}"; do
     declare -F "fault_$kind" "trial_$kind" >/dev/null || declare -F "fault_$kind" >/dev/null ||
@@ -267,4 +378,6 @@ for kind in "${kinds[@]}"; do
         "${resumed[$kind]:-0}" "${refused[$kind]:-0}" "${bad[$kind]:-0}" "${longest_ms[$kind]:-0}"
     failures=$((failures + ${bad[$kind]:-0}))
 done
+echo "kills of kills_many and kills_at_calls: sim ${kills[sim]}, wallctl ${kills[wallctl]}, recorder ${kills[recorder]}," \
+    "launcher ${kills[launcher]}"
 [ "$failures" -eq 0 ]

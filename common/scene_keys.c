@@ -294,7 +294,7 @@ static const struct key coupling_keys[] = {
      "adaptive: energy mismatch at the walls over their work, wanted in each interval"},
     {"busy_poll", KEY_BOOL, OF(scene_coupling, busy_poll), NULL, 0, 0, "false", NULL, NULL,
      "sim and wallctl wait for each other without sleeping: shorter waits, but a core each is always busy"},
-    {"timeout_s", KEY_FLOAT, OF(scene_coupling, timeout_s), "s", 0.1, 86400, "30", NULL, NULL,
+    {"timeout_s", KEY_FLOAT, OF(scene_coupling, timeout_s), "s", 0.1, 86400, "180", NULL, NULL,
      "sim gives up after this long without an answer from wallctl or the recorder"},
     {0}};
 

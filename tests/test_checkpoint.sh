@@ -57,7 +57,7 @@ expect_same_run() { # DIR DIR
     local group
     [ "$(attribute "$1/run.h5" complete)" = 1 ] && [ "$(attribute "$2/run.h5" complete)" = 1 ] || fail "not complete"
     [ "$(attribute "$1/run.h5" state_hash)" = "$(attribute "$2/run.h5" state_hash)" ] || fail "other hashes"
-    for group in samples observables particles connectivity frames walls; do
+    for group in samples notes observables particles connectivity frames walls; do
         same_data "$1/run.h5" "$2/run.h5" "/$group" || fail "$group differs"
     done
     cmp "$1/run.xdmf" "$2/run.xdmf" || fail "run.xdmf differs"
@@ -130,7 +130,7 @@ case_kill_all() {
         grep -q 'goes on from the checkpoint' cut.out || fail "complete without a restart"
     fi
     [ "$(attribute whole/run.h5 state_hash)" = "$(attribute cut/run.h5 state_hash)" ] || fail "other hashes"
-    for group in samples observables particles connectivity frames; do
+    for group in samples notes observables particles connectivity frames; do
         same_data whole/run.h5 cut/run.h5 "/$group" || fail "$group differs"
     done
 }
