@@ -8,7 +8,9 @@ void scene_free(struct scene *scene)
 {
     free(scene->text);
     free(scene->stage);
+    free(scene->prepared);
     scene->text = NULL;
+    scene->prepared = NULL;
     scene->stage = NULL;
     scene->n_stages = 0;
 }

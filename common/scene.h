@@ -212,6 +212,7 @@ struct scene {
     int64_t n_stages;
     struct scene_stage *stage; /* [n_stages], owned */
     char *text;                /* the file as read, owned */
+    char *prepared;            /* the stages that prepare = { ... } stands for, owned; NULL: none */
 };
 
 /* Releases what `scene` owns; harmless for one that is all zero, or was released. */

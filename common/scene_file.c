@@ -8,6 +8,7 @@
 #include "common/config_literals.h"
 #include "common/scene_check.h"
 #include "common/scene_keys.h"
+#include "common/scene_prepare.h"
 #include "common/time_step.h"
 
 static enum status stages_list_check(const config_setting_t *list, const config_setting_t *parent, const char *where)
@@ -45,11 +46,12 @@ static enum status time_step_set(const struct scene *scene, struct scene_stage *
     const double shortest_s = 1e-12, longest_s = 1;
     if (stage->dt_s > 0)
         return STATUS_OK;
-    double step_s = time_step_auto_s(&scene->sample, &stage->material);
+    const double force_n = time_step_force_n(scene, stage);
+    double step_s = time_step_auto_s(&scene->sample, &stage->material, force_n);
     for (int k = 0; k < SCENE_AXES; k++) {
         struct scene_material of_walls;
         if (scene_wall_material(stage, (enum axis)k, &of_walls))
-            step_s = fmin(step_s, time_step_auto_s(&scene->sample, &of_walls));
+            step_s = fmin(step_s, time_step_auto_s(&scene->sample, &of_walls, force_n));
     }
     if (!(step_s >= shortest_s))
         return config_fail(at, where,
@@ -140,9 +142,35 @@ static enum status stages_read(struct scene *scene, const config_setting_t *root
     return STATUS_OK;
 }
 
-static enum status scene_read(struct scene *scene, const config_setting_t *root, const char *path)
+/* The stages of prepare = { ... } come first. Errors in them name the line of their own text, which explain prints. */
+static enum status prepared_stages_read(struct scene *scene, const config_setting_t *root, const char *name)
 {
-    static const char *const own[] = {"stages", NULL};
+    char source[512];
+    config_t config;
+    TRY(scene_prepare_text(scene, root, &scene->prepared));
+    if (!scene->prepared)
+        return STATUS_OK;
+    snprintf(source, sizeof source, "%s, stages of prepare", name);
+    config_source_name(source);
+    config_init(&config);
+    enum status status = STATUS_OK;
+    if (config_read_string(&config, scene->prepared) != CONFIG_TRUE)
+        status =
+            status_fail(STATUS_CONFIG, "%s:%d: %s", source, config_error_line(&config), config_error_text(&config));
+    const config_setting_t *list = config_lookup(&config, "stages");
+    const int n = list ? config_setting_length(list) : 0;
+    if (status == STATUS_OK)
+        status = stages_reserve(scene, n, root, "prepare");
+    for (int k = 0; k < n && status == STATUS_OK; k++)
+        status = stage_read(scene, root, config_setting_get_elem(list, (unsigned)k), "prepare");
+    config_destroy(&config);
+    config_source_name(name);
+    return status;
+}
+
+static enum status scene_read(struct scene *scene, const config_setting_t *root, const char *name, const char *path)
+{
+    static const char *const own[] = {"stages", "prepare", NULL};
     config_defaults(scene_keys, scene);
     TRY(config_group_read(root, scene_keys, "", own, scene));
     TRY(config_require(root, scene_keys, ""));
@@ -150,6 +178,7 @@ static enum status scene_read(struct scene *scene, const config_setting_t *root,
         return config_fail(config_setting_get_member(root, "gravity_m_per_s2"), "gravity_m_per_s2",
                            "must have 3 members [x, y, z], or none");
     TRY(scene_check_sample(scene, path, config_setting_get_member(root, "sample")));
+    TRY(prepared_stages_read(scene, root, name));
     TRY(stages_read(scene, root));
     if (scene_stage_find(scene, scene->analysis.stage) < 0)
         return config_fail(config_setting_get_member(root, "analysis"), "analysis.stage", "there is no stage \"%s\"",
@@ -181,7 +210,7 @@ static enum status parse(struct scene *scene, const char *text, const char *name
     config_init(&config);
     enum status status = config_parse(&config, text, name, overrides, n_overrides);
     if (status == STATUS_OK)
-        status = scene_read(scene, config_root_setting(&config), path);
+        status = scene_read(scene, config_root_setting(&config), name, path);
     config_destroy(&config);
     if (status == STATUS_OK && !(scene->text = strdup(text)))
         status = status_fail(STATUS_NO_MEMORY, "out of memory");

@@ -18,6 +18,7 @@ static const char *const radius_names[] = {"uniform", "gaussian", "lognormal", "
 static const char *const initial_names[] = {"lattice", "random", "checkpoint", "file", NULL};
 static const char *const scheme_names[] = {"hold",      "jacobian",    "pipelined", "adaptive",
                                            "impedance", "compensated", NULL};
+static const char *const prepare_names[] = {"dense", "loose", "solid_fraction", NULL};
 static const char *const precision_names[] = {"double", "mixed", NULL};
 static const char *const strain_names[] = {"engineering", "logarithmic", NULL};
 static const char *const auto_names[] = {"auto", NULL};
@@ -189,7 +190,8 @@ const struct key scene_stage_keys[] = {
      "a "
      "seventh of that of the smallest ones and a third of what their dashpots bear (docs/verdict.md); k the stiffest "
      "of "
-     "the material. What contacts do not bear is refused"},
+     "the material, of Hertz-Mindlin contacts that under four times the mean force. What contacts do not bear is "
+     "refused"},
     {"duration_s", KEY_FLOAT, OF(scene_stage, duration_s), "s", 0, INFINITY, "0", NULL, NULL,
      "length of the stage; with a condition, the limit in time; 0: as long as until_cycles, or as its courses, ramps "
      "and "
@@ -355,6 +357,22 @@ const struct key scene_keys[] = {
     {"neighbor", KEY_GROUP, OF(scene, neighbor), NULL, 0, 0, NULL, NULL, neighbor_keys, ""},
     {"limits", KEY_GROUP, OF(scene, limits), NULL, 0, 0, NULL, NULL, limits_keys, ""},
     {"analysis", KEY_GROUP, OF(scene, analysis), NULL, 0, 0, NULL, NULL, analysis_keys, ""},
+    {0}};
+
+const struct key scene_prepare_keys[] = {
+    {"to", KEY_CHOICE, OF(scene_prepare, to), NULL, 0, 0, NULL, prepare_names, NULL,
+     "dense: compressed without friction, which comes after; loose: with that of the material; both at pressure_pa; or "
+     "a "
+     "solid fraction, at which the walls stand still"},
+    {"pressure_pa", KEY_FLOAT, OF(scene_prepare, pressure_pa), "N/m^2", 0, INFINITY, "0", NULL, NULL,
+     "pressure of all walls; for a solid fraction about the one expected, which sets the pace"},
+    {"solid_fraction", KEY_FLOAT, OF(scene_prepare, solid_fraction), NULL, 0, 0.95, "0", NULL, NULL,
+     "to = \"solid_fraction\": of the volume between the walls, overlaps counted twice"},
+    {"mu_s", KEY_FLOAT, OF(scene_prepare, mu_s), NULL, -1, 100, "-1", NULL, NULL,
+     "coefficient of friction while compressing; -1: 0, or the material's for loose"},
+    {"inertial_number", KEY_FLOAT, OF(scene_prepare, inertial_number), NULL, 1e-6, 0.1, "3e-3", NULL, NULL,
+     "of the compression, at that pressure: the largest rate times sqrt(m/(p d)), in 2D sqrt(m/p)"},
+    {"dt_s", KEY_FLOAT, OF(scene_prepare, dt_s), "s", 1e-12, 1, "auto", auto_names, NULL, "time step, as of a stage"},
     {0}};
 
 const struct key scene_group_keys[] = {{"repeat", KEY_INT, OF(scene_group, repeat), NULL, 1, SCENE_STAGES_MAX, NULL,

@@ -9,6 +9,17 @@ struct scene_group {
     int64_t repeat;
 };
 
+/* prepare = { ... } */
+enum { PREPARE_DENSE, PREPARE_LOOSE, PREPARE_SOLID_FRACTION };
+struct scene_prepare {
+    int to;
+    double pressure_pa;
+    double solid_fraction;
+    double mu_s; /* negative: by `to` */
+    double inertial_number;
+    double dt_s; /* 0: "auto" */
+};
+
 /* What a stage has before its own keys are read, and what follows from those once they are checked. */
 struct scene;
 struct scene_material;
@@ -22,6 +33,7 @@ void scene_material_refine(struct scene_material *material);
 extern const struct key scene_keys[];       /* struct scene */
 extern const struct key scene_stage_keys[]; /* struct scene_stage */
 extern const struct key scene_group_keys[]; /* struct scene_group */
+extern const struct key scene_prepare_keys[];
 extern const struct key scene_wall_material_keys[];
 
 #endif

@@ -74,4 +74,10 @@ void scene_print_reference(FILE *out)
         "At most %d stages in all.\n\n%s",
         SCENE_STAGES_MAX, header);
     config_print_reference(out, scene_stage_keys, "");
+    fprintf(out,
+            "\n## Preparation\n\n`prepare = { to = \"dense\"; pressure_pa = 1e5; };` stands for two stages before the "
+            "others, `prepare-compress` and `prepare-settle`, which are recorded as stages like any others and which "
+            "`./shakedown explain` prints: to be copied, and changed, where they do not fit.\n\n%s",
+            header);
+    config_print_reference(out, scene_prepare_keys, "");
 }

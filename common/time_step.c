@@ -16,9 +16,40 @@ static double stable_s(double stiffness, double damping, double per_mass)
     return 2 / (lambda + sqrt(lambda * lambda + omega2));
 }
 
-double time_step_auto_s(const struct scene_sample *sample, const struct scene_material *m)
+double time_step_force_n(const struct scene *scene, const struct scene_stage *stage)
 {
-    const double k = fmax(m->kn_n_per_m, m->k2_n_per_m), lo = sample->radius_min_m;
+    const double d = 2 * scene->sample.mean_radius_m;
+    double pressure_pa = 0;
+    for (int k = 0; k < SCENE_AXES; k++) {
+        const struct scene_axis *axis = &stage->axis[k];
+        pressure_pa =
+            fmax(pressure_pa, fmax(fabs(axis->pressure_pa) + fabs(axis->amplitude_pa), fabs(axis->pressure_end_pa)));
+        for (int j = 0; j < axis->pressures_pa.count; j++)
+            pressure_pa = fmax(pressure_pa, fabs(axis->pressures_pa.value[j]));
+    }
+    return 4 * pressure_pa * (scene->dimension == 2 ? d : d * d);
+}
+
+/* The linear law that is as stiff and as damped (docs/theory.md). */
+static struct scene_material hertz_as_linear(const struct scene_sample *s, const struct scene_material *m,
+                                             double force_n)
+{
+    const double nu = m->poisson_ratio, log_e = log(m->restitution), r = 0.5 * s->mean_radius_m;
+    const double modulus = m->youngs_modulus_pa / (2 * (1 - nu * nu));
+    const double shear = m->youngs_modulus_pa / (4 * (2 - nu) * (1 + nu));
+    const double contact = force_n > 0 ? cbrt(0.75 * force_n * r / modulus) : sqrt(1e-3 * r * s->mean_radius_m);
+    const double reduced_kg = 0.5 * sphere_mass_kg(s->density_kg_per_m3, s->mean_cube_m3);
+    struct scene_material linear = {
+        .mu_s = m->mu_s, .kn_n_per_m = 2 * modulus * contact, .kt_n_per_m = 8 * shear * contact};
+    linear.gamma_n_kg_per_s =
+        2 * sqrt(5.0 / 6) * -log_e / sqrt(PI * PI + log_e * log_e) * sqrt(linear.kn_n_per_m * reduced_kg);
+    linear.gamma_t_kg_per_s = linear.gamma_n_kg_per_s * sqrt(linear.kt_n_per_m / linear.kn_n_per_m);
+    return linear;
+}
+
+static double linear_step_s(const struct scene_sample *sample, const struct scene_material *m)
+{
+    const double k = fmax(fmax(m->kn_n_per_m, m->k2_n_per_m), m->kp_n_per_m), lo = sample->radius_min_m;
     const double mean_m = sample->mean_radius_m;
     if (!(k > 0))
         return 0;
@@ -30,4 +61,12 @@ double time_step_auto_s(const struct scene_sample *sample, const struct scene_ma
     if (m->mu_s > 0) /* a sphere's surface moves as 2/7 of its mass */
         step = fmin(step, stable_s(m->kt_n_per_m, m->gamma_t_kg_per_s, 3.5 * per_mass) / STABLE_STEPS);
     return step;
+}
+
+double time_step_auto_s(const struct scene_sample *sample, const struct scene_material *material, double force_n)
+{
+    if (material->law != LAW_HERTZ || !(material->youngs_modulus_pa > 0))
+        return linear_step_s(sample, material);
+    const struct scene_material linear = hertz_as_linear(sample, material, force_n);
+    return linear_step_s(sample, &linear);
 }

@@ -69,3 +69,7 @@ add_executable(test_size_distribution ${CMAKE_CURRENT_LIST_DIR}/test_size_distri
 target_link_libraries(test_size_distribution PRIVATE sim_fixture)
 add_test(NAME size_distribution COMMAND test_size_distribution)
 set_tests_properties(size_distribution PROPERTIES LABELS unit TIMEOUT 60)
+add_executable(test_prepare ${CMAKE_CURRENT_LIST_DIR}/test_prepare.c)
+target_link_libraries(test_prepare PRIVATE sim_fixture)
+add_test(NAME prepare COMMAND test_prepare)
+set_tests_properties(prepare PROPERTIES LABELS physics TIMEOUT 120)

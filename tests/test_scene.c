@@ -91,10 +91,10 @@ static void a_time_step_follows_from_the_scene(void **unused)
         assert_true(fabs(scene->stage[0].dt_s - 1.01665e-6) < 1e-10);
         dispose(scene);
     }
-    assert_true(fabs(time_step_auto_s(&wide->sample, &material) - 1.0269e-6) < 1e-10);
+    assert_true(fabs(time_step_auto_s(&wide->sample, &material, 0) - 1.0269e-6) < 1e-10);
     material.gamma_n_kg_per_s = 10;
-    assert_true(fabs(time_step_auto_s(&wide->sample, &material) - 2.115e-8) < 2e-11);
-    assert_true(time_step_auto_s(&wide->sample, &(struct scene_material){0}) == 0);
+    assert_true(fabs(time_step_auto_s(&wide->sample, &material, 0) - 2.115e-8) < 2e-11);
+    assert_true(time_step_auto_s(&wide->sample, &(struct scene_material){0}, 0) == 0);
     dispose(wide);
 }
 
