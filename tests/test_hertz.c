@@ -124,6 +124,26 @@ static void ledger_of_oblique_impacts(void **state)
     }
 }
 
+/* The same in a stage without friction of a scene with friction: the tangential dashpot takes nothing either. */
+static void ledger_without_friction_yet(void **state)
+{
+    (void)state;
+    const double speed = 0.1;
+    struct fixture f = hertz_pair(3, 0.7, 0.4, speed, duration(speed) / 160);
+    const struct scene_material smooth = {
+        .law = LAW_HERTZ, .youngs_modulus_pa = E, .poisson_ratio = NU, .restitution = 0.7};
+    f.sample->law = contact_law_constants_of(&smooth, f.sample->pairs.model.normal);
+    for (int i = 0; i < 2; i++)
+        f.sample->particles.v[1][i] = (i ? -1 : 1) * 0.5 * speed;
+    f.sample->ledger = energy_ledger_start(sample_complete(f.sample));
+    const double start = energy_kinetic_j(sample_complete(f.sample));
+    fixture_steps(&f, 400);
+    assert_true(fixture_overlap(&f) < 0);
+    assert_true(f.sample->ledger.contacts.viscous_tangential == 0 && f.sample->ledger.contacts.friction == 0);
+    assert_true(fabs(residual_of(&f)) / start < 2e-3 / 9); /* as above, second order */
+    fixture_close(&f);
+}
+
 /* Force of the contact on particle 1 along x and y. */
 static void force_on_second(struct fixture *f, double *force)
 {
@@ -191,9 +211,8 @@ static void closed_path_makes_no_energy(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(impact_without_loss),
-        cmocka_unit_test(restitution_at_any_speed),
-        cmocka_unit_test(ledger_of_oblique_impacts),
+        cmocka_unit_test(impact_without_loss),         cmocka_unit_test(restitution_at_any_speed),
+        cmocka_unit_test(ledger_of_oblique_impacts),   cmocka_unit_test(ledger_without_friction_yet),
         cmocka_unit_test(closed_path_makes_no_energy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -12,7 +12,8 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
     const real zero = real_all(0.0), dt = real_all(law->dt), *n = touch->n, *g = at->g, *w = at->w;
     real spring[SPRINGS], vt[SPRINGS];
     const struct NAME(pair) *pair = &touch->pair;
-    const real way = pair->kt * dt, lever = pair->gamma_t * real_all(law->damped) - pair->kt * real_all(law->half);
+    const real gamma_t = pair->gamma_t * real_all(law->damped); /* 0 in a stage without friction */
+    const real way = pair->kt * dt, lever = gamma_t - pair->kt * real_all(law->half);
     real start[SPRINGS], kept2 = zero;
     for (int c = 0; c < SPRINGS; c++) {
         spring[c] = real_load(memory->spring[c]);
@@ -52,7 +53,7 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
         middle = spring[c] + middle;
 #endif
         touch->pull[c] = real_fma(lever, vt[c], middle);
-        sums->vt2 = real_fma(pair->gamma_t * vt[c], vt[c], sums->vt2);
+        sums->vt2 = real_fma(gamma_t * vt[c], vt[c], sums->vt2);
     }
     touch->power = NAME(dot)(touch->pull, vt);
     touch->pull2 = NAME(dot)(touch->pull, touch->pull);
