@@ -1,4 +1,4 @@
-/* bench_peers --bin DIR --scenes DIR [--scene A|B] [--reps N] [--out DIR] [--json FILE]: the same packing stepped by
+/* bench_peers --bin DIR --root DIR [--scene A|B|C] [--reps N] [--out DIR] [--json FILE]: the same packing stepped by
  * LAMMPS, LIGGGHTS and us, one thread each, in turn on one core; and the forces of all three compared
  * (docs/peers.md). */
 #include <jansson.h>
@@ -16,12 +16,13 @@
 #include "sim/kernels/kernels.h"
 
 static const struct peers_case CASES[] = {
-    {.name = "A", .file = "biaxial.cfg", .our_steps = 40000, .steps = 4000},
-    {.name = "B", .file = "triaxial_cyclic.cfg", .our_steps = 8000, .steps = 2000},
+    {.name = "A", .file = "scenes/biaxial.cfg", .our_steps = 40000, .steps = 4000},
+    {.name = "B", .file = "scenes/triaxial_cyclic.cfg", .our_steps = 8000, .steps = 2000},
+    {.name = "C", .file = "bench/glass_beads.cfg", .our_steps = 6000, .steps = 1000},
 };
 
 struct options {
-    const char *bin, *scenes, *out;
+    const char *bin, *root, *out;
     int reps;
 };
 
@@ -45,11 +46,13 @@ static void show_cpu(json_t *root)
 static enum status fill_work(struct peers_work *work, const struct options *options)
 {
     char path[1024];
-    snprintf(path, sizeof path, "%s/%s", options->scenes, work->at->file);
+    snprintf(path, sizeof path, "%s/%s", options->root, work->at->file);
     snprintf(work->folder, sizeof work->folder, "%s/%s", options->out, work->at->name);
     TRY(prepare_sample(work->sim, path, NULL, 0, work->folder, work->checkpoint));
     TRY(scene_load(work->whole, path, NULL, 0));
-    *work->last = *work->whole; /* its text stays the whole's */
+    work->last = prepare_scene_copy(work->whole);
+    if (!work->last)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
     prepare_stage(work->last, (int)work->whole->n_stages - 1, work->checkpoint);
     return STATUS_OK;
 }
@@ -61,22 +64,20 @@ static enum status run_case(const struct peers_case *at, const struct options *o
     struct peers_work work = {.at = at,
                               .sim = sim,
                               .whole = calloc(1, sizeof *work.whole),
-                              .last = calloc(1, sizeof *work.last),
                               .reps = options->reps,
                               .report = json_pack("{s:s, s:s}", "scene", at->name, "file", at->file)};
-    enum status status =
-        work.whole && work.last ? fill_work(&work, options) : status_fail(STATUS_NO_MEMORY, "out of memory");
+    enum status status = work.whole ? fill_work(&work, options) : status_fail(STATUS_NO_MEMORY, "out of memory");
     if (status == STATUS_OK) {
         printf("\nscene %s: %s, %lld particles\n", at->name, at->file, (long long)work.last->sample.count);
         status = peers_physics(&work);
     }
+    if (status == STATUS_OK && work.last->stage[0].material.law == LAW_HERTZ)
+        status = peers_states(&work);
     if (status == STATUS_OK && work.reps > 0)
         status = peers_timing(&work);
     json_array_append_new(cases, work.report);
-    if (work.whole)
-        scene_free(work.whole);
-    free(work.whole);
-    free(work.last);
+    prepare_scene_free(work.whole);
+    prepare_scene_free(work.last);
     return status;
 }
 
@@ -93,13 +94,13 @@ static enum status run_cases(const struct options *options, const char *only, js
         any = true;
         TRY(run_case(&CASES[k], options, cases));
     }
-    return any ? STATUS_OK : status_fail(STATUS_USAGE, "there is no scene %s: A or B", only);
+    return any ? STATUS_OK : status_fail(STATUS_USAGE, "there is no scene %s: A, B or C", only);
 }
 
 static enum status bench(struct options *options, const char *only, const char *reps, const char *json_path)
 {
     int core;
-    if (!options->bin || !options->scenes || !options->out)
+    if (!options->bin || !options->root || !options->out)
         return status_fail(STATUS_USAGE, "start it with ./shakedown bench peers");
     options->reps = reps ? atoi(reps) : 5;
     if (options->reps < 0 || options->reps > PEERS_REPS_MAX)
@@ -118,8 +119,8 @@ int main(int argc, char **argv)
     struct options options = {0};
     const char *json_path = NULL, *only = NULL, *reps = NULL;
     const struct command_line_option own[] = {
-        {"bin", &options.bin, NULL}, {"scenes", &options.scenes, NULL}, {"scene", &only, NULL}, {"reps", &reps, NULL},
-        {"out", &options.out, NULL}, {"json", &json_path, NULL},        {NULL, NULL, NULL}};
+        {"bin", &options.bin, NULL}, {"root", &options.root, NULL}, {"scene", &only, NULL}, {"reps", &reps, NULL},
+        {"out", &options.out, NULL}, {"json", &json_path, NULL},    {NULL, NULL, NULL}};
     struct command_line line;
     setvbuf(stdout, NULL, _IOLBF, 0);
     floating_point_flush_subnormals();

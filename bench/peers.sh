@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The same packing stepped by LAMMPS, LIGGGHTS and us, in turn on one core, and the forces compared (docs/peers.md):
-# ./shakedown bench peers [--install] [--scene A|B] [--reps N] [--out DIR] [--json FILE]
+# ./shakedown bench peers [--install] [--scene A|B|C] [--reps N] [--out DIR] [--json FILE]
 # --install gets the two from Debian's packages; --out keeps inputs, logs and the prepared samples for the next time.
 set -euo pipefail
 # shellcheck source=options.sh
@@ -46,4 +46,4 @@ bench peers: ./shakedown bench peers --install, or $(by_hand)"
     install_missing
 fi
 take_out
-"$bin/bench/bench_peers" --bin "$bin" --scenes "$root/scenes" --out "$out" "${options[@]}"
+"$bin/bench/bench_peers" --bin "$bin" --root "$root" --out "$out" "${options[@]}"

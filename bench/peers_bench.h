@@ -36,6 +36,14 @@ enum status peers_run(struct peer_input *input, const struct sample *sample, con
 /* Mean radius [m]. */
 double peers_mean_radius(const struct sample *sample);
 
+/* The stage's law, walls that stay, forces of the state. */
+enum status peers_start_stage(struct sample *sample) MUST_USE;
+
+/* Forces on every particle in states that load, shear, unload and slide the contacts, which have been through all
+ * states before: of Hertz-Mindlin and of Luding's law with k2 that grows, for scenes of law "hertz". Prints a table and
+ * adds it to the report. */
+enum status peers_states(const struct peers_work *work) MUST_USE;
+
 /* Forces on every particle, and positions after some hundred steps, of the peers and ours. Prints a table and adds it
  * to the report. */
 enum status peers_physics(const struct peers_work *work) MUST_USE;

@@ -43,10 +43,56 @@ static void write_lists(FILE *out, const struct peer_input *in)
     fprintf(out, "neighbor %.17g bin\nneigh_modify every 1 delay %d check yes\n", in->skin_m, in->delay);
 }
 
+/* Adds to velocities, or to positions (`what` "v" or ""), `gradient` times the distance from the middle along d. */
+static void write_ramp(FILE *out, const struct peer_input *in, bool velocity, int c, int d, double gradient)
+{
+    const double half = 0.5 * gradient * (in->hi[d] - in->lo[d]);
+    fprintf(out, "%s all ramp %s%c %.17g %.17g %c %.17g %.17g %sunits box\n", velocity ? "velocity" : "displace_atoms",
+            velocity ? "v" : "", 'x' + c, -half, half, 'x' + d, in->lo[d], in->hi[d], velocity ? "sum yes " : "");
+}
+
+static void renew_laws(FILE *out, const struct peer_input *in, double mu);
+
+/* Particles are where a state says, with the velocities that it says, and forces are evaluated once. Not
+ * renewed: as `pre no`, so that nothing is evaluated beforehand with histories that stay; time steps and properties are
+ * taken over by a renewed run alone. */
+static void write_state(FILE *out, const struct peer_input *in, const struct peer_state *state, bool renewed)
+{
+    fprintf(out, "velocity all set 0 0 0 units box\n");
+    for (int c = 0; c < in->dimension; c++) {
+        if (state->strain != 0)
+            write_ramp(out, in, false, c, c, state->strain);
+        for (int d = 0; d < in->dimension; d++)
+            if (state->velocity_per_s[c][d] != 0)
+                write_ramp(out, in, true, c, d, state->velocity_per_s[c][d]);
+    }
+    fprintf(out, "timestep %.17g\nrun 1%s\n", state->instant ? 1e-30 : in->dt_s, renewed ? "" : " pre no");
+}
+
+static void write_states(FILE *out, const struct peer_input *in)
+{
+    fprintf(out, "thermo 1000000000\ndump state all custom 1 %s id x y z vx vy vz fx fy fz\n", in->dump);
+    fprintf(
+        out,
+        "dump_modify state sort id format %s\"%%d %%.17g %%.17g %%.17g %%.17g %%.17g %%.17g %%.17g %%.17g %%.17g\"\n",
+        in->peer == PEER_LAMMPS ? "line " : "");
+    for (int k = 0; k < in->n_states; k++) {
+        const struct peer_state *now = &in->state[k], *before = k > 0 ? now - 1 : now;
+        const bool renewed = now->mu != before->mu || now->instant != before->instant;
+        if (renewed)
+            renew_laws(out, in, now->mu);
+        write_state(out, in, now, k == 0 || renewed);
+    }
+}
+
 /* Motion, background damping, and the steps, without any output between. In 2D nothing has a velocity along z or a
  * force, so that fix enforce2d is not needed. */
 static void write_run(FILE *out, const struct peer_input *in)
 {
+    if (in->state) {
+        write_states(out, in);
+        return;
+    }
     fprintf(out, "fix motion all nve%s\n", in->frictional || in->peer == PEER_LIGGGHTS ? "/sphere" : "");
     if (in->gamma_b > 0)
         fprintf(out, "fix background all viscous %.17g\n", in->gamma_b);
@@ -65,10 +111,50 @@ static void write_run(FILE *out, const struct peer_input *in)
 
 /* --- LAMMPS --- */
 
-/* Smooth walls: the normal law alone. Plain styles damp by mass, and a wall's reduced mass is the particle's. */
+/* gamma_n over sqrt(4/3 E* ac m_ij) for the restitution e. */
+static double tsuji_factor(double e)
+{
+    const double pi = acos(-1.0), log_e = log(e);
+    return -sqrt(5.0) * log_e / sqrt(pi * pi + log_e * log_e);
+}
+
+double peers_tsuji_restitution(double e)
+{
+    static const double factor[] = {1.2728, -4.2783, 11.087, -22.348, 27.467, -18.022, 4.8218};
+    double lo = 0, hi = 1; /* the polynomial falls */
+    for (int k = 0; k < 100; k++) {
+        const double middle = 0.5 * (lo + hi);
+        double alpha = 0;
+        for (int n = 6; n >= 0; n--)
+            alpha = alpha * middle + factor[n];
+        if (alpha > tsuji_factor(e))
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return hi;
+}
+
+/* Without a dashpot not by Tsuji's polynomial, which leaves a little at e = 1. */
+static const char *lammps_damping(const struct peer_input *in)
+{
+    return in->restitution < 1 ? "tsuji" : "velocity";
+}
+
+static double lammps_restitution(const struct peer_input *in)
+{
+    return in->restitution < 1 ? peers_tsuji_restitution(in->restitution) : 0;
+}
+
+/* Smooth walls: the normal law alone. Plain styles damp by mass, and a wall's reduced mass is the particle's. Hertz by
+ * its factor 4/3 E*: from E and nu LAMMPS makes a wall that is stiffer than particles by 1 + nu. */
 static void lammps_wall(char *text, size_t size, const struct peer_input *in)
 {
-    if (in->law == PEER_GRANULAR)
+    if (in->law == PEER_HERTZ)
+        snprintf(text, size, "granular hertz %.17g %.17g damping %s tangential linear_nohistory 0 0",
+                 4.0 / 3 * in->youngs_modulus / (2 * (1 - in->poisson * in->poisson)), lammps_restitution(in),
+                 lammps_damping(in));
+    else if (in->law == PEER_GRANULAR)
         snprintf(text, size, "granular hooke %.17g %.17g damping velocity tangential linear_nohistory 0 0", in->kn,
                  in->gamma_n);
     else
@@ -101,8 +187,26 @@ static void lammps_moving_walls(FILE *out, const struct peer_input *in, const ch
     }
 }
 
+/* Mindlin's force with the scene's friction, damped by sqrt(S_t/S_n) of the normal dashpot, S_t = 8 G* ac, S_n = 2 E*
+ * ac: S_t/S_n = 2 (1 - nu)/(2 - nu). */
+static void lammps_hertz(FILE *out, const struct peer_input *in, double mu)
+{
+    const double nu = in->poisson;
+    fprintf(out, "pair_coeff * * hertz/material %.17g %.17g %.17g damping %s tangential ", in->youngs_modulus,
+            lammps_restitution(in), nu, lammps_damping(in));
+    if (in->frictional)
+        fprintf(out, "%s NULL %.17g %.17g\n", in->tangential, sqrt(2 * (1 - nu) / (2 - nu)), mu);
+    else
+        fprintf(out, "linear_nohistory 0 0\n");
+}
+
 static void lammps_pair(FILE *out, const struct peer_input *in)
 {
+    if (in->law == PEER_HERTZ) {
+        fprintf(out, "pair_style granular\n");
+        lammps_hertz(out, in, in->mu);
+        return;
+    }
     const double damping = in->gamma_n / in->reduced_mass;
     if (in->law == PEER_GRANULAR) {
         fprintf(out, "pair_style granular\npair_coeff * * hooke %.17g %.17g tangential ", in->kn, in->gamma_n);
@@ -148,6 +252,12 @@ static void liggghts_property(FILE *out, const char *name, double value)
 static void liggghts_properties(FILE *out, const struct peer_input *in)
 {
     liggghts_property(out, "coefficientFriction", in->frictional ? in->mu : 0);
+    if (in->law == PEER_HERTZ) {
+        fprintf(out, "fix youngsModulus all property/global youngsModulus peratomtype %.17g\n", in->youngs_modulus);
+        fprintf(out, "fix poissonsRatio all property/global poissonsRatio peratomtype %.17g\n", in->poisson);
+        liggghts_property(out, "coefficientRestitution", in->restitution);
+        return;
+    }
     if (in->law == PEER_STIFFNESS) {
         liggghts_property(out, "kn", in->kn);
         liggghts_property(out, "kt", in->kt);
@@ -158,20 +268,37 @@ static void liggghts_properties(FILE *out, const struct peer_input *in)
     liggghts_property(out, "LoadingStiffness", in->kn);
     liggghts_property(out, "UnloadingStiffness", in->k2 / in->kn);
     liggghts_property(out, "coefficientAdhesionStiffness", in->kc / in->kn);
-    liggghts_property(out, "coefficientPlasticityDepth", 0.5); /* far above the overlaps: k2 is reached there */
+    liggghts_property(out, "coefficientPlasticityDepth", in->plasticity_depth);
     liggghts_property(out, "pullOffForce", 0);
     liggghts_property(out, "coefficientRestitution", in->restitution);
+}
+
+/* Coulomb's limit from here on, of Hertz-Mindlin. In LAMMPS walls are made anew, as every run that begins puts their
+ * coefficient of restitution through the polynomial once more. */
+static void renew_laws(FILE *out, const struct peer_input *in, double mu)
+{
+    if (in->peer == PEER_LAMMPS) {
+        char wall[256];
+        lammps_hertz(out, in, mu);
+        lammps_wall(wall, sizeof wall, in);
+        for (int c = 0; c < in->dimension; c++)
+            fprintf(out, "unfix wall%c\n", 'x' + c);
+        lammps_fixed_walls(out, in, wall);
+        return;
+    }
+    fprintf(out, "unfix coefficientFriction\n");
+    liggghts_property(out, "coefficientFriction", mu);
 }
 
 /* Without friction "no_history", the form that LIGGGHTS has compiled as a whole, is faster than "off". */
 static void write_liggghts(FILE *out, const struct peer_input *in)
 {
-    const char *model = in->law == PEER_LUDING ? "luding" : "hooke/stiffness";
-    const char *options = in->law == PEER_LUDING ? "" : "absolute_damping on";
+    const char *model = in->law == PEER_LUDING ? "luding" : in->law == PEER_HERTZ ? "hertz" : "hooke/stiffness";
+    const char *options = in->law == PEER_STIFFNESS ? "absolute_damping on" : "";
     fprintf(out,
-            "units si\natom_style granular\natom_modify map array sort 1000 0\nboundary f f f\nnewton off\n"
+            "%sunits si\natom_style granular\natom_modify map array sort 1000 0\nboundary f f f\nnewton off\n"
             "communicate single vel yes\nread_data %s\n",
-            in->data);
+            in->law == PEER_HERTZ ? "hard_particles yes\n" : "", in->data);
     liggghts_properties(out, in);
     fprintf(out, "pair_style gran model %s tangential %s %s\npair_coeff * *\n", model,
             in->frictional ? "history" : "no_history", options);

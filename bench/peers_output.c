@@ -35,15 +35,13 @@ enum status peers_read_loop(const char *log, double *us_per_step)
     return STATUS_OK;
 }
 
-enum status peers_read_dump(const char *text, int count, double *position_m, double *force_n)
+/* Rows of an id and n_vectors vectors from the line after `at`. */
+static enum status read_rows(const char *at, int count, int n_vectors, double *const *vector)
 {
-    const char *at = last_line(text, "ITEM: ATOMS id x y z fx fy fz");
-    if (!at)
-        return status_fail(STATUS_FORMAT, "a dump without particles");
     at = strchr(at, '\n');
     for (int i = 0; i < count; i++) {
-        double number[7];
-        for (int k = 0; k < 7; k++) {
+        double number[10];
+        for (int k = 0; k < 3 * n_vectors + 1; k++) {
             char *end = NULL;
             number[k] = at ? strtod(at, &end) : 0;
             if (!at || end == at || !isfinite(number[k]))
@@ -53,10 +51,30 @@ enum status peers_read_dump(const char *text, int count, double *position_m, dou
         }
         if (number[0] != i + 1)
             return status_fail(STATUS_FORMAT, "a dump with particle %g in place of %d", number[0], i + 1);
-        memcpy(position_m + 3 * (size_t)i, number + 1, 3 * sizeof *number);
-        memcpy(force_n + 3 * (size_t)i, number + 4, 3 * sizeof *number);
+        for (int k = 0; k < n_vectors; k++)
+            memcpy(vector[k] + 3 * (size_t)i, number + 1 + 3 * k, 3 * sizeof *number);
     }
     return STATUS_OK;
+}
+
+enum status peers_read_dump(const char *text, int count, double *position_m, double *force_n)
+{
+    const char *at = last_line(text, "ITEM: ATOMS id x y z fx fy fz");
+    if (!at)
+        return status_fail(STATUS_FORMAT, "a dump without particles");
+    return read_rows(at, count, 2, (double *const[]){position_m, force_n});
+}
+
+enum status peers_read_snapshot(const char *text, int snapshot, int count, double *position_m, double *velocity_m_per_s,
+                                double *force_n)
+{
+    static const char head[] = "ITEM: ATOMS id x y z vx vy vz fx fy fz";
+    const char *at = strstr(text, head);
+    for (int k = 0; at && k < snapshot; k++)
+        at = strstr(at + 1, head);
+    if (!at)
+        return status_fail(STATUS_FORMAT, "a dump without snapshot %d", snapshot);
+    return read_rows(at, count, 3, (double *const[]){position_m, velocity_m_per_s, force_n});
 }
 
 struct peers_difference peers_compare(const double *a, const double *b, int count)

@@ -14,6 +14,10 @@ enum status peers_read_loop(const char *log, double *us_per_step) MUST_USE;
  * position and force [3 count]. STATUS_FORMAT names what is wrong. */
 enum status peers_read_dump(const char *text, int count, double *position_m, double *force_n) MUST_USE;
 
+/* The same from snapshot `snapshot` (0: the first) of lines "id x y z vx vy vz fx fy fz". */
+enum status peers_read_snapshot(const char *text, int snapshot, int count, double *position_m, double *velocity_m_per_s,
+                                double *force_n) MUST_USE;
+
 /* |a - b| over all particles, [3 count] each. */
 struct peers_difference {
     double largest, rms;

@@ -41,6 +41,9 @@ static const struct trial TRIALS[] = {
     {"paths, no loss", PEER_LIGGGHTS, PEER_STIFFNESS, false, false, false, PRECISION_DOUBLE, PATH_STEPS},
     {"paths, friction and damping", PEER_LAMMPS, PEER_GRANULAR, true, true, false, PRECISION_DOUBLE, PATH_STEPS},
     {"paths, friction and damping", PEER_LIGGGHTS, PEER_STIFFNESS, true, true, false, PRECISION_DOUBLE, PATH_STEPS},
+    {"paths, no loss", PEER_LAMMPS, PEER_HERTZ, false, false, false, PRECISION_DOUBLE, PATH_STEPS},
+    {"paths, no loss", PEER_LIGGGHTS, PEER_HERTZ, false, false, false, PRECISION_DOUBLE, PATH_STEPS},
+    {"paths, friction and damping", PEER_LAMMPS, PEER_HERTZ, true, true, false, PRECISION_DOUBLE, PATH_STEPS},
 };
 
 /* The trial's law in the scene, walls that stay, no background. */
@@ -56,8 +59,10 @@ static void set_law(struct scene *scene, const struct trial *trial, bool hystere
         m->mu_s = m->mu_d = 0;
     else if (trial->steps == 0)
         m->mu_s = m->mu_d = STICKY_MU;
-    if (!trial->damping)
+    if (!trial->damping) {
         m->gamma_n_kg_per_s = m->gamma_t_kg_per_s = 0;
+        m->restitution = 1;
+    }
     m->gamma_b_kg_per_s = m->gamma_br_kg_per_s = 0;
     for (int k = 0; k < SCENE_AXES; k++)
         scene->stage[0].axis[k].mode = WALL_FIXED;
@@ -80,8 +85,7 @@ static enum status set_state(struct sample *sample, double speed)
     return STATUS_OK;
 }
 
-/* Its law, walls that stay. */
-static enum status start_stage(struct sample *sample)
+enum status peers_start_stage(struct sample *sample)
 {
     struct wall_command command = {.n_steps = INT_MAX, .n_walls = sample->n_walls};
     for (int w = 0; w < sample->n_walls; w++)
@@ -150,7 +154,6 @@ static enum status run_peer(const struct trial *trial, const struct scene *scene
     input.dump = "dump";
     input.gamma_b = 0;
     input.steps = trial->steps;
-    input.restitution = 1;
     TRY(peers_run(&input, sample, folder, "physics"));
     TRY(file_read(dump, &text));
     enum status status = peers_read_dump(text, sample->particles.count, states->theirs, states->theirs_force);
@@ -163,7 +166,7 @@ static enum status both(const struct trial *trial, const struct scene *scene, st
 {
     const struct scene_material *m = &scene->stage[0].material;
     TRY(states_init(states, sample->particles.count));
-    TRY(start_stage(sample));
+    TRY(peers_start_stage(sample));
     TRY(mean_contact_force(sample, &states->mean_force));      /* of the prepared state */
     bool moves = trial->steps == 0 && m->gamma_n_kg_per_s > 0; /* damping adds about a tenth to the forces */
     TRY(set_state(sample, moves ? 0.1 * states->mean_force / m->gamma_n_kg_per_s : 0));
@@ -199,10 +202,9 @@ static enum status run_trial(const struct trial *trial, const struct scene *orig
 {
     struct states states = {0};
     struct sample *sample = NULL;
-    struct scene *scene = malloc(sizeof *scene);
+    struct scene *scene = prepare_scene_copy(original);
     if (!scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    *scene = *original; /* its text stays the original's */
     set_law(scene, trial, scene_is_hysteretic(original));
     enum status status = sample_from_scene(&sample, scene);
     if (status == STATUS_OK)
@@ -211,8 +213,14 @@ static enum status run_trial(const struct trial *trial, const struct scene *orig
         report_trial(trial, &states, sample->particles.count, rows);
     states_free(&states);
     sample_free(sample);
-    free(scene);
+    prepare_scene_free(scene);
     return status;
+}
+
+static bool is_of(const struct trial *trial, const struct scene *scene)
+{
+    return (trial->law == PEER_HERTZ) == (scene->stage[0].material.law == LAW_HERTZ) &&
+           (!trial->friction || scene_is_frictional(scene)) && (!trial->hysteretic || scene_is_hysteretic(scene));
 }
 
 enum status peers_physics(const struct peers_work *work)
@@ -220,11 +228,8 @@ enum status peers_physics(const struct peers_work *work)
     json_t *rows = json_array();
     json_object_set_new(work->report, "physics", rows);
     printf("difference to ours, \"paths\" after %d steps:\n", PATH_STEPS);
-    for (size_t k = 0; k < sizeof TRIALS / sizeof *TRIALS; k++) {
-        if ((TRIALS[k].friction && !scene_is_frictional(work->last)) ||
-            (TRIALS[k].hysteretic && !scene_is_hysteretic(work->last)))
-            continue;
-        TRY(run_trial(&TRIALS[k], work->last, work->folder, rows));
-    }
+    for (size_t k = 0; k < sizeof TRIALS / sizeof *TRIALS; k++)
+        if (is_of(&TRIALS[k], work->last))
+            TRY(run_trial(&TRIALS[k], work->last, work->folder, rows));
     return STATUS_OK;
 }

@@ -18,7 +18,7 @@ double peers_mean_radius(const struct sample *sample)
 struct peer_input peers_input_of(const struct scene *scene, const struct sample *sample)
 {
     const struct scene_material *m = &scene->stage[0].material;
-    bool hysteretic = m->law == LAW_HYSTERETIC;
+    bool hysteretic = m->law == LAW_HYSTERETIC || m->law == LAW_ELASTOPLASTIC;
     double mass = 0;
     for (int i = 0; i < sample->particles.count; i++)
         mass += sample->particles.mass[i] / sample->particles.count;
@@ -31,6 +31,11 @@ struct peer_input peers_input_of(const struct scene *scene, const struct sample 
                                .mu = m->mu_s,
                                .k2 = m->k2_n_per_m,
                                .kc = m->kc_n_per_m,
+                               .plasticity_depth = 0.5, /* far above the overlaps: k2 is reached there */
+                               .youngs_modulus = m->youngs_modulus_pa,
+                               .poisson = m->poisson_ratio,
+                               .tangential = "mindlin_rescale/force",
+                               .restitution = m->restitution,
                                .reduced_mass = 0.5 * mass,
                                .gamma_b = m->gamma_b_kg_per_s,
                                .dt_s = scene->stage[0].dt_s,

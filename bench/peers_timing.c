@@ -111,7 +111,8 @@ static enum status time_peer(const struct timing *timing, const struct contestan
     input.delay = c->delay;
     input.warm_up = WARM_UP;
     input.steps = steps;
-    input.restitution = 0.9;
+    if (c->law == PEER_LUDING)
+        input.restitution = 0.9;
     TRY(peers_run(&input, timing->sample, timing->work->folder, "timing"));
     return read_time(timing->work->folder, "timing", us);
 }
@@ -159,10 +160,9 @@ static void choose_contestants(struct timing *timing)
 /* Our scene: as many steps as are timed, no samples between; a hysteretic law gets cohesion, kc = k2. */
 static enum status write_our_scene(struct timing *timing)
 {
-    struct scene *scene = malloc(sizeof *scene);
+    struct scene *scene = prepare_scene_copy(timing->work->last);
     if (!scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    *scene = *timing->work->last; /* its text stays the original's */
     struct scene_stage *stage = &scene->stage[0];
     stage->duration_s = (double)timing->work->at->our_steps * stage->dt_s;
     stage->sample_interval_s = stage->duration_s;
@@ -172,7 +172,7 @@ static enum status write_our_scene(struct timing *timing)
         stage->material.kc_n_per_m = stage->material.k2_n_per_m;
     snprintf(timing->scene_path, sizeof timing->scene_path, "%s/timing.cfg", timing->work->folder);
     enum status status = prepare_scene_file(scene, timing->scene_path);
-    free(scene);
+    prepare_scene_free(scene);
     return status;
 }
 
@@ -257,10 +257,9 @@ static enum status take_turns(struct timing *timing, int reps, json_t *rows)
 static enum status settle(const struct peers_work *work, char *checkpoint)
 {
     char path[1100], file[1100], log[1100];
-    struct scene *scene = malloc(sizeof *scene);
+    struct scene *scene = prepare_scene_copy(work->whole);
     if (!scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    *scene = *work->whole; /* its text stays the original's */
     prepare_stage(scene, (int)work->whole->n_stages - 2, work->checkpoint);
     struct scene_material *m = &scene->stage[0].material;
     m->law = LAW_LINEAR;
@@ -275,7 +274,7 @@ static enum status settle(const struct peers_work *work, char *checkpoint)
     enum status status = prepare_scene_file(scene, path);
     if (status == STATUS_OK)
         status = child_run(&child);
-    free(scene);
+    prepare_scene_free(scene);
     TRY(status);
     return prepare_path(file, checkpoint);
 }
@@ -284,7 +283,6 @@ static enum status make_peers_world(struct timing *timing)
 {
     const struct peers_work *work = timing->work;
     char checkpoint[CONFIG_STRING_MAX];
-    *timing->peers_scene = *work->last; /* its text stays the original's */
     if (scene_is_hysteretic(work->last)) {
         TRY(settle(work, checkpoint));
         prepare_stage(timing->peers_scene, 0, checkpoint);
@@ -297,7 +295,7 @@ enum status peers_timing(const struct peers_work *work)
     json_t *rows = json_array();
     json_object_set_new(work->report, "timing", rows);
     struct timing *timing = calloc(1, sizeof *timing);
-    struct scene *scene = calloc(1, sizeof *scene);
+    struct scene *scene = prepare_scene_copy(work->last);
     enum status status = timing && scene ? STATUS_OK : status_fail(STATUS_NO_MEMORY, "out of memory");
     if (status == STATUS_OK) {
         *timing = (struct timing){.work = work, .peers_scene = scene};
@@ -310,7 +308,7 @@ enum status peers_timing(const struct peers_work *work)
         status = take_turns(timing, work->reps, rows);
     if (timing)
         sample_free(timing->sample);
-    free(scene);
+    prepare_scene_free(scene);
     free(timing);
     return status;
 }

@@ -91,6 +91,30 @@ enum status prepare_sample(const char *sim, const char *path, const char *const 
     return prepare_path(file, checkpoint);
 }
 
+struct scene *prepare_scene_copy(const struct scene *from)
+{
+    const size_t stages = (size_t)from->n_stages * sizeof *from->stage;
+    struct scene *to = malloc(sizeof *to);
+    if (!to)
+        return NULL;
+    *to = *from;
+    to->stage = malloc(stages);
+    to->text = from->text ? strdup(from->text) : NULL;
+    if (!to->stage || (from->text && !to->text)) {
+        prepare_scene_free(to);
+        return NULL;
+    }
+    memcpy(to->stage, from->stage, stages);
+    return to;
+}
+
+void prepare_scene_free(struct scene *scene)
+{
+    if (scene)
+        scene_free(scene);
+    free(scene);
+}
+
 void prepare_stage(struct scene *scene, int stage, const char *checkpoint)
 {
     scene->stage[0] = scene->stage[stage];

@@ -11,6 +11,11 @@
 enum status prepare_sample(const char *sim, const char *path, const char *const *overrides, int n_overrides,
                            const char *folder, char *checkpoint) MUST_USE;
 
+/* A copy that owns its stages and text, or NULL without memory; released by prepare_scene_free, to which NULL may be
+ * given. */
+struct scene *prepare_scene_copy(const struct scene *from);
+void prepare_scene_free(struct scene *scene);
+
 /* Leaves only stage `stage` of `scene`, started from `checkpoint`. */
 void prepare_stage(struct scene *scene, int stage, const char *checkpoint);
 

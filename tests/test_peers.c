@@ -183,6 +183,79 @@ static void liggghts_is_told_the_scene(void **state)
                                               "dump_modify state first no every 40\n", NULL});
 }
 
+static struct peer_input hertz(enum peer peer)
+{
+    struct peer_input input = three_dimensions(peer, PEER_HERTZ);
+    input.youngs_modulus = 75;
+    input.poisson = 0.5; /* E* = E/(2 (1 - 1/4)) = 50, S_t/S_n = 2 (1/2)/(3/2) = 2/3 */
+    input.tangential = "mindlin_rescale/force";
+    input.restitution = 1; /* no dashpot */
+    return input;
+}
+
+static void both_are_told_hertz(void **state)
+{
+    (void)state;
+    struct peer_input input = hertz(PEER_LAMMPS);
+    char damped[200];
+    assert_says(&input,
+                (const char *const[]){"pair_style granular\npair_coeff * * hertz/material 75 0 0.5 damping velocity "
+                                      "tangential mindlin_rescale/force NULL 0.8164965809277",
+                                      "wall/gran granular hertz 66.66666666666", NULL});
+    input.restitution = 0.5;
+    snprintf(damped, sizeof damped, "hertz/material 75 %.17g 0.5 damping tsuji ", peers_tsuji_restitution(0.5));
+    assert_says(&input, (const char *const[]){damped, NULL});
+    input.frictional = false;
+    assert_says(&input, (const char *const[]){"damping tsuji tangential linear_nohistory 0 0\n", NULL});
+    input = hertz(PEER_LIGGGHTS);
+    assert_says(&input,
+                (const char *const[]){"hard_particles yes\nunits si\n", "youngsModulus peratomtype 75\n",
+                                      "poissonsRatio peratomtype 0.5\n", "coefficientRestitution peratomtypepair 1 1\n",
+                                      "pair_style gran model hertz tangential history \n", NULL});
+}
+
+/* LAMMPS' polynomial at what it is told is sqrt(5) beta, to the polynomial's rounding. */
+static void tsuji_is_told_another_restitution(void **state)
+{
+    (void)state;
+    for (double e = 0.15; e < 0.99; e += 0.1) {
+        const double x = peers_tsuji_restitution(e), pi = acos(-1.0), beta = -log(e) / sqrt(pi * pi + log(e) * log(e));
+        const double alpha = 1.2728 - 4.2783 * x + 11.087 * x * x - 22.348 * pow(x, 3) + 27.467 * pow(x, 4) -
+                             18.022 * pow(x, 5) + 4.8218 * pow(x, 6);
+        assert_true(x > 0 && x < e);
+        assert_close("alpha", alpha, sqrt(5) * beta, 1e-13);
+    }
+}
+
+/* The box is 1 x 2 x 4: a strain s moves its ends by s/2, s and 2 s; the shear rate of x along y is 3/s. */
+static void states_follow_each_other(void **state)
+{
+    (void)state;
+    const struct peer_state states[] = {{.name = "start", .mu = 9},
+                                        {.strain = 0.25, .velocity_per_s = {{0, 3, 0}}, .mu = 9},
+                                        {.name = "end", .instant = true, .mu = 0.5}};
+    static const char *const lines[] = {
+        "dump state all custom 1 the.dump id x y z vx vy vz fx fy fz\n",
+        "velocity all set 0 0 0 units box\ntimestep 0.5\nrun 1\n",
+        "displace_atoms all ramp x -0.125 0.125 x 0 1 units box\n",
+        "velocity all ramp vx -3 3 y 0 2 sum yes units box\n",
+        "displace_atoms all ramp z -0.5 0.5 z 0 4 units box\ntimestep 0.5\nrun 1 pre no\n",
+        "timestep 1.0000000000000001e-30\nrun 1\n",
+        NULL};
+    for (int peer = PEER_LAMMPS; peer <= PEER_LIGGGHTS; peer++) {
+        struct peer_input input = hertz(peer);
+        input.dump = "the.dump";
+        input.state = states;
+        input.n_states = 3;
+        assert_says(&input, lines);
+        assert_says(&input, peer == PEER_LAMMPS
+                                ? (const char *const[]){"0.5\nunfix wallx\n", "unfix wallz\nfix wallx all", NULL}
+                                : (const char *const[]){"unfix coefficientFriction\nfix coefficientFriction all "
+                                                        "property/global coefficientFriction peratomtypepair 1 0.5\n",
+                                                        NULL});
+    }
+}
+
 static const char LAMMPS_LOG[] =
     "LAMMPS (29 Sep 2021 - Update 2)\nSetting up Verlet run ...\nStep Temp E_pair E_mol TotEng Press \n"
     "       0            0            0            0            0            0 \n"
@@ -243,6 +316,37 @@ static void broken_dumps_are_refused(void **state)
     double x[6], f[6];
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
         assert_int_equal(peers_read_dump(bad[k], 2, x, f), STATUS_FORMAT);
+}
+
+static void snapshots_in_turn(void **state)
+{
+    static const char head[] = "ITEM: ATOMS id x y z vx vy vz fx fy fz\n";
+    char text[300];
+    double x[3], v[3], f[3];
+    (void)state;
+    snprintf(text, sizeof text, "%s1 1 2 3 4 5 6 7 8 9\nITEM: TIMESTEP\n1\n%s1 9 8 7 6 5 4 3 2 1\n", head, head);
+    must(peers_read_snapshot(text, 0, 1, x, v, f));
+    assert_true(x[0] == 1 && v[0] == 4 && f[2] == 9);
+    must(peers_read_snapshot(text, 1, 1, x, v, f));
+    assert_true(x[0] == 9 && v[2] == 4 && f[2] == 1);
+    assert_int_equal(peers_read_snapshot(text, 2, 1, x, v, f), STATUS_FORMAT);
+    assert_int_equal(peers_read_snapshot(text, 1, 2, x, v, f), STATUS_FORMAT);
+}
+
+/* What is done to a copy does not reach the scene. */
+static void a_copy_is_its_own(void **state)
+{
+    (void)state;
+    struct fixture_options options = {.dimension = 2, .count = 3, .material = "kn_n_per_m = 1e3;", .dt_s = 1e-6};
+    struct fixture f = fixture_open(&options);
+    struct scene *copy = prepare_scene_copy(f.scene);
+    assert_non_null(copy);
+    assert_string_equal(copy->text, f.scene->text);
+    copy->stage[0].material.kn_n_per_m = 7;
+    prepare_scene_free(copy);
+    prepare_scene_free(NULL);
+    assert_true(f.scene->stage[0].material.kn_n_per_m == 1e3);
+    fixture_close(&f);
 }
 
 /* Differences of length 5 and 0: largest 5, rms 5/sqrt(2). */
@@ -356,6 +460,9 @@ int main(void)
         cmocka_unit_test(dump_gives_the_last_state), cmocka_unit_test(broken_dumps_are_refused),
         cmocka_unit_test(difference_of_states),      cmocka_unit_test(last_stage_alone),
         cmocka_unit_test(contacts_forget),           cmocka_unit_test(a_peer_runs_in_its_folder),
+        cmocka_unit_test(both_are_told_hertz),       cmocka_unit_test(tsuji_is_told_another_restitution),
+        cmocka_unit_test(states_follow_each_other),  cmocka_unit_test(snapshots_in_turn),
+        cmocka_unit_test(a_copy_is_its_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -51,7 +51,7 @@ BROKEN=quiet expect 1 'still not in PATH: lammps liggghts' bench --install
 fake "$work/bin/bench/bench_peers" "echo \"bench_peers \$*\""
 rm -f "$work/said"
 ln -s "$(type -P mktemp)" "$(type -P rm)" "$empty"
-expect 0 "bench_peers --bin $work/bin --scenes $root/scenes --out $work/tmp/.* --reps 1" bench --install --reps 1
+expect 0 "bench_peers --bin $work/bin --root $root --out $work/tmp/.* --reps 1" bench --install --reps 1
 expect 0 '^sudo$' cat "$work/said"
 expect 0 'install -y --no-install-recommends lammps liggghts$' cat "$work/said"
 [ -z "$(ls -A "$work/tmp")" ] || expect 0 'nothing left' ls -A "$work/tmp"
