@@ -39,6 +39,12 @@ double peers_mean_radius(const struct sample *sample);
 /* The stage's law, walls that stay, forces of the state. */
 enum status peers_start_stage(struct sample *sample) MUST_USE;
 
+/* Means over the contacts of a sample at a complete step, and over its particles. STATUS_NO_MEMORY. */
+struct peers_scale {
+    double force_n, overlap_m, diameter_m, mass_kg;
+};
+enum status peers_measure_scale(struct sample *sample, struct peers_scale *scale) MUST_USE;
+
 /* Forces on every particle in states that load, shear, unload and slide the contacts, which have been through all
  * states before: of Hertz-Mindlin and of Luding's law with k2 that grows, for scenes of law "hertz". Prints a table and
  * adds it to the report. */
@@ -48,8 +54,9 @@ enum status peers_states(const struct peers_work *work) MUST_USE;
  * to the report. */
 enum status peers_physics(const struct peers_work *work) MUST_USE;
 
-/* Time per step, all in turn. A hysteretic sample is first settled with the linear law of its k1, so that the peers,
- * who start without history, get one at rest. */
+/* Time per step, all in turn; of a law "hertz" also ours with a linear law of about the same stiffness. A hysteretic
+ * sample is first settled with the linear law of its k1, so that the peers, who start without history, get one at rest.
+ */
 enum status peers_timing(const struct peers_work *work) MUST_USE;
 
 #endif

@@ -15,6 +15,16 @@ static const char *last_line(const char *text, const char *mark)
     return found;
 }
 
+/* Our line of it, among others of sim; NULL: there is none. */
+static const char *our_loop(const char *log, long *steps, double *seconds)
+{
+    static const char form[] = "sim: %ld steps, %lf s";
+    for (const char *at = log; at; at = strchr(at, '\n') ? strchr(at, '\n') + 1 : NULL)
+        if (sscanf(at, form, steps, seconds) == 2)
+            return at;
+    return NULL;
+}
+
 enum status peers_read_loop(const char *log, double *us_per_step)
 {
     double seconds;
@@ -25,8 +35,8 @@ enum status peers_read_loop(const char *log, double *us_per_step)
         if (sscanf(line, "Loop time of %lf on %d procs for %ld steps", &seconds, &processes, &steps) != 3)
             return status_fail(STATUS_FORMAT, "a log with an unknown kind of loop time: %.60s", line);
     } else {
-        line = last_line(log, "sim: ");
-        if (!line || sscanf(line, "sim: %ld steps, %lf s", &steps, &seconds) != 2)
+        line = our_loop(log, &steps, &seconds);
+        if (!line)
             return status_fail(STATUS_FORMAT, "a log without the time of the loop");
     }
     if (steps < 1 || !(seconds > 0) || processes != 1)

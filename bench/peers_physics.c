@@ -104,23 +104,28 @@ static void positions_and_forces(const struct sample *sample, double *x, double 
         }
 }
 
-static enum status mean_contact_force(struct sample *sample, double *mean)
+enum status peers_measure_scale(struct sample *sample, struct peers_scale *scale)
 {
-    int n = measure_contacts(sample_complete(sample), NULL);
-    struct contact_measurement *contacts = malloc(sizeof *contacts * (size_t)(n + 1));
-    if (!contacts)
+    const struct particles *p = &sample->particles;
+    const int n = measure_contacts(sample_complete(sample), NULL);
+    struct contact_measurement *contact = malloc(sizeof *contact * (size_t)(n + 1));
+    if (!contact)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    n = measure_contacts(sample_complete(sample), contacts);
-    *mean = 0;
-    for (int k = 0; k < n; k++)
-        *mean += fabs(contacts[k].normal_force_n) / n;
-    free(contacts);
+    *scale = (struct peers_scale){.diameter_m = 2 * peers_mean_radius(sample)};
+    (void)measure_contacts(sample_complete(sample), contact);
+    for (int k = 0; k < n; k++) {
+        scale->force_n += fabs(contact[k].normal_force_n) / n;
+        scale->overlap_m += contact[k].overlap_m / n;
+    }
+    for (int i = 0; i < p->count; i++)
+        scale->mass_kg += p->mass[i] / p->count;
+    free(contact);
     return STATUS_OK;
 }
 
 struct states {
     double *start, *ours, *ours_force, *theirs, *theirs_force; /* [3 count] */
-    double mean_force;
+    struct peers_scale scale;                                  /* of the prepared state */
 };
 
 static enum status states_init(struct states *states, int count)
@@ -167,9 +172,9 @@ static enum status both(const struct trial *trial, const struct scene *scene, st
     const struct scene_material *m = &scene->stage[0].material;
     TRY(states_init(states, sample->particles.count));
     TRY(peers_start_stage(sample));
-    TRY(mean_contact_force(sample, &states->mean_force));      /* of the prepared state */
+    TRY(peers_measure_scale(sample, &states->scale));
     bool moves = trial->steps == 0 && m->gamma_n_kg_per_s > 0; /* damping adds about a tenth to the forces */
-    TRY(set_state(sample, moves ? 0.1 * states->mean_force / m->gamma_n_kg_per_s : 0));
+    TRY(set_state(sample, moves ? 0.1 * states->scale.force_n / m->gamma_n_kg_per_s : 0));
     TRY(run_peer(trial, scene, sample, folder, states));
     time_step_forces_anew(sample);
     positions_and_forces(sample, states->start, states->ours_force);
@@ -184,7 +189,7 @@ static void report_trial(const struct trial *trial, const struct states *states,
 {
     const char *peer = trial->peer == PEER_LAMMPS ? "LAMMPS" : "LIGGGHTS";
     struct peers_difference d;
-    double scale = states->mean_force;
+    double scale = states->scale.force_n;
     if (trial->steps == 0) {
         d = peers_compare(states->ours_force, states->theirs_force, count);
     } else {

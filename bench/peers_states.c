@@ -89,41 +89,17 @@ struct course {
     int left_out[PEER_STATES_MAX];                                    /* particles */
 };
 
-/* Means over the contacts of the prepared sample. */
-struct scale {
-    double force_n, overlap_m, diameter_m, mass_kg;
-};
-
 /* One column: the sample and what the peer said of it. */
 struct session {
     struct sample *sample;
-    struct scale scale;
+    struct peers_scale scale;
     char *dump;                       /* text */
     double *x, *v, *ours, *theirs;    /* [3 count] by id */
     double *most[1 + 2 * SCENE_AXES]; /* largest overlaps of the lists' members in the state before */
     bool *apart;                      /* [count] by id: the peer's histories are not ours any more */
 };
 
-static enum status measure_scale(struct sample *sample, struct scale *scale)
-{
-    const struct particles *p = &sample->particles;
-    const int n = measure_contacts(sample_complete(sample), NULL);
-    struct contact_measurement *contact = malloc(sizeof *contact * (size_t)(n + 1));
-    if (!contact)
-        return status_fail(STATUS_NO_MEMORY, "out of memory");
-    *scale = (struct scale){.diameter_m = 2 * peers_mean_radius(sample)};
-    (void)measure_contacts(sample_complete(sample), contact);
-    for (int k = 0; k < n; k++) {
-        scale->force_n += fabs(contact[k].normal_force_n) / n;
-        scale->overlap_m += contact[k].overlap_m / n;
-    }
-    for (int i = 0; i < p->count; i++)
-        scale->mass_kg += p->mass[i] / p->count;
-    free(contact);
-    return STATUS_OK;
-}
-
-static struct peer_state state_of(const struct step *step, const struct scale *scale, int dimension)
+static struct peer_state state_of(const struct step *step, const struct peers_scale *scale, int dimension)
 {
     static const double share[3] = {1, 0.6, 0.3};
     const double strain = scale->overlap_m / scale->diameter_m, shear = step->slide * strain / STEP_S;
@@ -139,7 +115,7 @@ static struct peer_state state_of(const struct step *step, const struct scale *s
 
 /* Luding's law on the same packing: k1 from the mean force and overlap, k2 growing with the overlap beyond all that
  * there are, to 5 k1 at 12 mean ones: when it has grown LIGGGHTS' contacts are elastic, ours go on yielding. */
-static void make_luding(struct scene *scene, const struct scale *scale)
+static void make_luding(struct scene *scene, const struct peers_scale *scale)
 {
     struct scene_material *m = &scene->stage[0].material;
     const double k1 = scale->force_n / scale->overlap_m, ratio = 5;
@@ -155,7 +131,7 @@ static void make_luding(struct scene *scene, const struct scale *scale)
 static enum status set_scene(struct scene *scene, const struct column *column)
 {
     struct sample *sample = NULL;
-    struct scale scale;
+    struct peers_scale scale;
     scene->precision = column->precision;
     scene->stage[0].material.gamma_b_kg_per_s = scene->stage[0].material.gamma_br_kg_per_s = 0;
     for (int k = 0; k < SCENE_AXES; k++)
@@ -166,7 +142,7 @@ static enum status set_scene(struct scene *scene, const struct column *column)
     if (status == STATUS_OK)
         status = peers_start_stage(sample);
     if (status == STATUS_OK)
-        status = measure_scale(sample, &scale);
+        status = peers_measure_scale(sample, &scale);
     if (status == STATUS_OK)
         make_luding(scene, &scale);
     sample_free(sample);
@@ -188,7 +164,7 @@ static enum status start(struct session *session, const struct scene *scene)
     if (!(session->apart = calloc((size_t)p->count, sizeof *session->apart)))
         return status_fail(STATUS_NO_MEMORY, "out of memory");
     TRY(peers_start_stage(session->sample));
-    TRY(measure_scale(session->sample, &session->scale));
+    TRY(peers_measure_scale(session->sample, &session->scale));
     TRY(prepare_forget(session->sample));
     for (int c = 0; c < p->dimension; c++)
         memset(p->v[c], 0, (size_t)p->count * sizeof(double));

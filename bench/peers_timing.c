@@ -22,8 +22,10 @@ struct contestant {
     const char *name, *note;
     const char *isa; /* ours; NULL: a peer */
     int precision;   /* ours */
+    bool linear;     /* ours with a linear law instead of Hertz' */
     enum peer peer;
     enum peer_law law;
+    const char *tangential; /* LAMMPS, Hertz */
     bool walls_move;
     double skin_ratio; /* found by trying */
     int delay;
@@ -65,11 +67,47 @@ static const struct contestant FRICTIONAL[] = {
     {.name = "LIGGGHTS hooke/stiffness", .note = "friction, fixed walls", .peer = PEER_LIGGGHTS, .law = PEER_STIFFNESS},
 };
 
+static const struct contestant HERTZIAN[] = {
+    {.name = "shakedown, AVX-512", .note = "Hertz-Mindlin, walls move", .isa = "avx512"},
+    {.name = "shakedown, AVX2", .note = "Hertz-Mindlin, walls move", .isa = "avx2"},
+    {.name = "shakedown, AVX-512, mixed",
+     .note = "Hertz-Mindlin, walls move",
+     .isa = "avx512",
+     .precision = PRECISION_MIXED},
+    {.name = "shakedown, AVX2, mixed",
+     .note = "Hertz-Mindlin, walls move",
+     .isa = "avx2",
+     .precision = PRECISION_MIXED},
+    {.name = "shakedown, AVX-512", .note = "linear, friction, walls move", .isa = "avx512", .linear = true},
+    {.name = "shakedown, AVX2", .note = "linear, friction, walls move", .isa = "avx2", .linear = true},
+    {.name = "shakedown, AVX-512, mixed",
+     .note = "linear, friction, walls move",
+     .isa = "avx512",
+     .precision = PRECISION_MIXED,
+     .linear = true},
+    {.name = "shakedown, AVX2, mixed",
+     .note = "linear, friction, walls move",
+     .isa = "avx2",
+     .precision = PRECISION_MIXED,
+     .linear = true},
+    {.name = "LAMMPS granular",
+     .note = "mindlin_rescale, fixed walls",
+     .peer = PEER_LAMMPS,
+     .law = PEER_HERTZ,
+     .tangential = "mindlin_rescale"},
+    {.name = "LAMMPS granular",
+     .note = "mindlin_rescale/force, fixed walls",
+     .peer = PEER_LAMMPS,
+     .law = PEER_HERTZ,
+     .tangential = "mindlin_rescale/force"},
+    {.name = "LIGGGHTS hertz", .note = "history, fixed walls", .peer = PEER_LIGGGHTS, .law = PEER_HERTZ},
+};
+
 struct timing {
     const struct peers_work *work;
     struct scene *peers_scene; /* the last stage from the settled sample */
     struct sample *sample;     /* and its sample */
-    char scene_path[1100];     /* of ours */
+    char scene_path[2][1100];  /* of ours; with the linear law */
     struct contestant contestant[CONTESTANTS_MAX];
     int n;
 };
@@ -90,7 +128,7 @@ static enum status time_ours(const struct timing *timing, const struct contestan
     char log[1100];
     snprintf(log, sizeof log, "%s/ours.log", timing->work->folder);
     const char *const argv[] = {timing->work->sim,
-                                timing->scene_path,
+                                timing->scene_path[c->linear],
                                 "--in-process",
                                 "--progress",
                                 "--set",
@@ -107,6 +145,8 @@ static enum status time_peer(const struct timing *timing, const struct contestan
     input.peer = c->peer;
     input.law = c->law;
     input.walls_move = c->walls_move;
+    if (c->tangential)
+        input.tangential = c->tangential;
     input.skin_m = c->skin_ratio * peers_mean_radius(timing->sample);
     input.delay = c->delay;
     input.warm_up = WARM_UP;
@@ -144,11 +184,16 @@ static bool isa_is_supported(const char *name)
     return false;
 }
 
+static bool is_hertz(const struct peers_work *work)
+{
+    return work->last->stage[0].material.law == LAW_HERTZ;
+}
+
 static void choose_contestants(struct timing *timing)
 {
-    bool frictional = scene_is_frictional(timing->work->last);
-    const struct contestant *from = frictional ? FRICTIONAL : FRICTIONLESS;
-    int n = (int)(frictional ? sizeof FRICTIONAL : sizeof FRICTIONLESS) / (int)sizeof *from;
+    const bool frictional = scene_is_frictional(timing->work->last), hertz = is_hertz(timing->work);
+    const struct contestant *from = hertz ? HERTZIAN : frictional ? FRICTIONAL : FRICTIONLESS;
+    int n = (int)((hertz ? sizeof HERTZIAN : frictional ? sizeof FRICTIONAL : sizeof FRICTIONLESS) / sizeof *from);
     for (int k = 0; k < n; k++) {
         if (!from[k].isa || isa_is_supported(from[k].isa))
             timing->contestant[timing->n++] = from[k];
@@ -157,8 +202,27 @@ static void choose_contestants(struct timing *timing)
     }
 }
 
+/* A linear law in place of Hertz': the mean contact keeps its force, and with it the sample its pressure; the rest as
+ * in Hertz-Mindlin at that contact, whose stiffness is 3/2 of force over overlap. */
+static enum status make_linear(struct timing *timing, struct scene_material *m)
+{
+    struct peers_scale scale;
+    const double nu = m->poisson_ratio, ratio = 2 * (1 - nu) / (2 - nu), log_e = log(m->restitution);
+    const double pi = acos(-1.0), beta = -log_e / sqrt(pi * pi + log_e * log_e);
+    TRY(peers_start_stage(timing->sample));
+    TRY(peers_measure_scale(timing->sample, &scale));
+    m->law = LAW_LINEAR;
+    m->kn_n_per_m = scale.force_n / scale.overlap_m;
+    m->kt_n_per_m = 1.5 * m->kn_n_per_m * ratio;
+    m->gamma_n_kg_per_s = 2 * sqrt(5.0 / 6) * beta * sqrt(1.5 * m->kn_n_per_m * 0.5 * scale.mass_kg);
+    m->gamma_t_kg_per_s = m->gamma_n_kg_per_s * sqrt(ratio);
+    m->youngs_modulus_pa = m->poisson_ratio = 0;
+    m->restitution = 1;
+    return STATUS_OK;
+}
+
 /* Our scene: as many steps as are timed, no samples between; a hysteretic law gets cohesion, kc = k2. */
-static enum status write_our_scene(struct timing *timing)
+static enum status write_our_scene(struct timing *timing, bool linear)
 {
     struct scene *scene = prepare_scene_copy(timing->work->last);
     if (!scene)
@@ -170,8 +234,13 @@ static enum status write_our_scene(struct timing *timing)
     stage->frame_strains.count = 0;
     if (scene_is_hysteretic(scene))
         stage->material.kc_n_per_m = stage->material.k2_n_per_m;
-    snprintf(timing->scene_path, sizeof timing->scene_path, "%s/timing.cfg", timing->work->folder);
-    enum status status = prepare_scene_file(scene, timing->scene_path);
+    enum status status = linear ? make_linear(timing, &stage->material) : STATUS_OK;
+    if (linear)
+        scene->material = stage->material;
+    snprintf(timing->scene_path[linear], sizeof *timing->scene_path, "%s/timing%s.cfg", timing->work->folder,
+             linear ? "-linear" : "");
+    if (status == STATUS_OK)
+        status = prepare_scene_file(scene, timing->scene_path[linear]);
     prepare_scene_free(scene);
     return status;
 }
@@ -206,7 +275,7 @@ static void report_one(const struct timing *timing, const struct contestant *c, 
     printf("  %-26s %-33s %8.2f %8.2f", c->name, c->note, c->least, c->median);
     for (int k = 0; k < timing->n; k++) {
         const struct contestant *ours = &timing->contestant[k];
-        if (!ours->isa)
+        if (!ours->isa || ours->linear)
             continue;
         printf(" %8.2f", times_ours(c, ours, reps));
         json_object_set_new(ratios, ours->name, json_real(times_ours(c, ours, reps)));
@@ -221,12 +290,57 @@ static void report_one(const struct timing *timing, const struct contestant *c, 
                                           "skin_ratio", c->skin_ratio, "delay", c->delay, "us", times));
 }
 
+static const struct contestant *find_linear(const struct timing *timing, const struct contestant *like)
+{
+    for (int k = 0; k < timing->n; k++) {
+        const struct contestant *c = &timing->contestant[k];
+        if (c->linear && strcmp(c->isa, like->isa) == 0 && c->precision == like->precision)
+            return c;
+    }
+    return NULL;
+}
+
+/* Median of the ratios of the turns, and half of what lies between their quartiles. */
+static void report_ratio(const char *what, const struct contestant *c, const struct contestant *ours, int reps,
+                         json_t *rows)
+{
+    double ratio[PEERS_REPS_MAX];
+    for (int r = 0; r < reps; r++)
+        ratio[r] = c->us[r] / ours->us[r];
+    qsort(ratio, (size_t)reps, sizeof *ratio, rising);
+    const double median = median_of(ratio, reps), spread = 0.5 * (ratio[3 * (reps - 1) / 4] - ratio[(reps - 1) / 4]);
+    printf("  %-48s %-26s %6.3f +- %.3f\n", what, ours->name, median, spread);
+    json_array_append_new(
+        rows, json_pack("{s:s, s:s, s:f, s:f}", "what", what, "ours", ours->name, "ratio", median, "spread", spread));
+}
+
+/* What Hertz-Mindlin costs us more than a linear law, and others. */
+static void report_hertz(const struct timing *timing, int reps, json_t *rows)
+{
+    printf("ratios of times, median of the turns and half the distance of their quartiles\n");
+    for (int k = 0; k < timing->n; k++) {
+        const struct contestant *ours = &timing->contestant[k];
+        if (!ours->isa || ours->linear)
+            continue;
+        const struct contestant *linear = find_linear(timing, ours);
+        if (linear)
+            report_ratio("Hertz-Mindlin over the linear law", ours, linear, reps, rows);
+        for (int p = 0; p < timing->n; p++) {
+            char what[80];
+            const struct contestant *peer = &timing->contestant[p];
+            snprintf(what, sizeof what, "%s %s over ours", peer->name, peer->tangential ? peer->tangential : "");
+            if (!peer->isa)
+                report_ratio(what, peer, ours, reps, rows);
+        }
+    }
+}
+
 static void report_times(struct timing *timing, int reps, json_t *rows)
 {
     printf("us per step, %d turns; times ours: median over the turns\n", reps);
     printf("  %-26s %-33s %8s %8s", "", "", "least", "median");
     for (int k = 0; k < timing->n; k++)
-        if (timing->contestant[k].isa)
+        if (timing->contestant[k].isa && !timing->contestant[k].linear)
             printf(" %6s%s", timing->contestant[k].isa, timing->contestant[k].precision ? " m" : "  ");
     printf("\n");
     for (int k = 0; k < timing->n; k++) {
@@ -250,6 +364,11 @@ static enum status take_turns(struct timing *timing, int reps, json_t *rows)
             TRY(c->isa ? time_ours(timing, c, &c->us[r]) : time_peer(timing, c, timing->work->at->steps, &c->us[r]));
         }
     report_times(timing, reps, rows);
+    if (is_hertz(timing->work)) {
+        json_t *ratios = json_array();
+        json_object_set_new(timing->work->report, "ratios", ratios);
+        report_hertz(timing, reps, ratios);
+    }
     return STATUS_OK;
 }
 
@@ -303,7 +422,9 @@ enum status peers_timing(const struct peers_work *work)
         status = make_peers_world(timing);
     }
     if (status == STATUS_OK)
-        status = write_our_scene(timing);
+        status = write_our_scene(timing, false);
+    if (status == STATUS_OK && is_hertz(work))
+        status = write_our_scene(timing, true);
     if (status == STATUS_OK)
         status = take_turns(timing, work->reps, rows);
     if (timing)

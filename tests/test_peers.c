@@ -263,7 +263,8 @@ static const char LAMMPS_LOG[] =
     "Loop time of 0.5 on 1 procs for 4000 steps with 1950 atoms\n\nTotal # of neighbors = 4325\n";
 static const char LIGGGHTS_LOG[] = "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0)\n    Step    Atoms         KinEng\n"
                                    "Loop time of 0.25 on 1 procs for 1000 steps with 1950 atoms, finish time Sun\n";
-static const char OUR_LOG[] = "sim: 40000 steps, 0.400 s, 10.00 us per step, 25 list builds, 4700 candidates, hash 0\n";
+static const char OUR_LOG[] = "sim: note: hold: starts at rest\nsim: 40000 steps, 0.400 s, 10.00 us per step, 25 list "
+                              "builds, 4700 candidates, hash 0\nsim: verdict: sound\n";
 
 static void time_of_the_last_loop(void **state)
 {
