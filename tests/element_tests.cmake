@@ -11,3 +11,9 @@ foreach(test element_tests element_tests_exact element_tests_heavy)
   set_tests_properties(${test} PROPERTIES LABELS pipeline TIMEOUT 300 SKIP_RETURN_CODE 125
                        ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
 endforeach()
+
+# What is evaluated against closed forms and by hand.
+add_test(NAME fcc_strength COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_fcc.sh)
+set_tests_properties(fcc_strength PROPERTIES LABELS physics TIMEOUT 120 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
+add_test(NAME bulk_modulus COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_bulk_modulus.sh)
+set_tests_properties(bulk_modulus PROPERTIES LABELS pipeline TIMEOUT 120 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
