@@ -138,9 +138,17 @@ static void cycles_measure(struct cycles *cycles, const struct curves *curves)
         eps_v = cycle->eps_v;
         loop_measure(curves, t0, t1, cycle);
         pressure_measure(curves, t0, t1, cycle);
-        if (cycle->r_u >= liquefied && !cycles->to_liquefaction)
-            cycles->to_liquefaction = k + 1;
     }
+}
+
+/* Over all samples: a test that ends there does so within a cycle. */
+static size_t cycles_to_liquefaction(const struct curves *curves)
+{
+    const double *u = curves->column[CURVE_U], *t = curves->column[CURVE_STAGE_TIME], p0 = curves->column[CURVE_P][0];
+    for (size_t k = 0; k < curves->n && p0 > 0; k++)
+        if (u[k] >= liquefied * p0)
+            return (size_t)fmax(1, ceil(t[k] / period_of(curves) - 1e-6)); /* times are sums of steps */
+    return 0;
 }
 
 enum status cycles_evaluate(struct cycles *cycles, const struct curves *curves)
@@ -158,6 +166,7 @@ enum status cycles_evaluate(struct cycles *cycles, const struct curves *curves)
     if (!cycles->cycle)
         return status_fail(STATUS_NO_MEMORY, "out of memory for %zu cycles", cycles->n);
     cycles_measure(cycles, curves);
+    cycles->to_liquefaction = cycles_to_liquefaction(curves);
     return STATUS_OK;
 }
 
@@ -199,16 +208,30 @@ static void rate_quantity(const struct cycles *cycles, struct estimate estimate,
     quantity_window(quantity, (double)first, (double)cycles->last);
 }
 
+/* CSR = q_cyc/(2 p0), q_cyc half of q from peak to peak, in the first cycle: of stress cycles the same in all of them.
+ */
+static void stress_ratio(const struct curves *curves, struct quantity *quantity)
+{
+    const double p0 = curves->column[CURVE_P][0], *q = curves->column[CURVE_Q];
+    double low = INFINITY, high = -INFINITY;
+    for (size_t k = 0; k < curves->n && curves->column[CURVE_STAGE_TIME][k] <= period_of(curves); k++) {
+        low = fmin(low, q[k]);
+        high = fmax(high, q[k]);
+    }
+    quantity_set(quantity, (struct estimate){p0 > 0 ? (high - low) / 2 / (2 * p0) : NAN, NAN});
+    quantity_window(quantity, 1, 1);
+}
+
 static void pressure_quantities(const struct cycles *cycles, const struct curves *curves, struct quantity *q)
 {
     double largest = -INFINITY;
-    for (size_t k = 0; k < cycles->n; k++)
-        largest = fmax(largest, cycles->cycle[k].r_u);
     if (!curves->controls.volume_kept) {
         quantity_undefined(&q[QUANTITY_CYCLES_R_U], "the volume is not kept");
         quantity_undefined(&q[QUANTITY_CYCLES_LIQUEFACTION], "the volume is not kept");
         return;
     }
+    for (size_t k = 0; k < curves->n; k++)
+        largest = fmax(largest, curves->column[CURVE_U][k] / curves->column[CURVE_P][0]);
     quantity_set(&q[QUANTITY_CYCLES_R_U], (struct estimate){largest, NAN});
     if (cycles->to_liquefaction)
         quantity_set(&q[QUANTITY_CYCLES_LIQUEFACTION], (struct estimate){(double)cycles->to_liquefaction, NAN});
@@ -241,6 +264,7 @@ void cycles_quantities(const struct cycles *cycles, const struct curves *curves,
     loop_quantity(cycles, offsetof(struct cycle, secant_e_pa), &q[QUANTITY_CYCLES_SECANT_E]);
     loop_quantity(cycles, offsetof(struct cycle, secant_g_pa), &q[QUANTITY_CYCLES_SECANT_G]);
     pressure_quantities(cycles, curves, q);
+    stress_ratio(curves, &q[QUANTITY_CYCLES_STRESS_RATIO]);
     loop_quantity(cycles, offsetof(struct cycle, damping_ratio), &q[QUANTITY_CYCLES_DAMPING_RATIO]);
 }
 

@@ -80,6 +80,7 @@ static enum status analyse(const char *directory, const struct command *options,
 static enum status series_report(struct ensemble *ensemble, const struct command *options)
 {
     int curves;
+    bool liquefied;
     series_sort(ensemble);
     series_print(stdout, ensemble, options->series);
     if (!options->out)
@@ -87,6 +88,9 @@ static enum status series_report(struct ensemble *ensemble, const struct command
     TRY(series_write(ensemble, options->series, options->out, &curves));
     if (curves > 0)
         TRY(plots_run(options->out, "series"));
+    TRY(series_liquefaction_write(ensemble, options->out, &liquefied));
+    if (liquefied)
+        TRY(plots_run(options->out, "liquefaction"));
     printf("results: %s/series.csv%s\n", options->out, curves > 0 ? ", series.svg" : "");
     return STATUS_OK;
 }

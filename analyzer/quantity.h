@@ -108,7 +108,8 @@
     X(CYCLES_SECANT_G, "cycles.secant_G_pa", "Pa", CYCLIC)                                                             \
     X(CYCLES_DAMPING_RATIO, "cycles.damping_ratio", "1", CYCLIC)                                                       \
     X(CYCLES_R_U, "cycles.r_u_max", "1", CYCLIC)                                                                       \
-    X(CYCLES_LIQUEFACTION, "cycles.to_liquefaction", "1", CYCLIC)
+    X(CYCLES_LIQUEFACTION, "cycles.to_liquefaction", "1", CYCLIC)                                                      \
+    X(CYCLES_STRESS_RATIO, "cycles.stress_ratio", "1", CYCLIC)
 
 enum quantity_id {
 #define QUANTITY_ENUM(id, key, unit, tests) QUANTITY_##id,

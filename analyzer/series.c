@@ -259,3 +259,28 @@ enum status series_write(const struct ensemble *ensemble, const char *key, const
     snprintf(path, sizeof path, "%s/series.gp", directory);
     return script_write(ensemble, key, path, curves);
 }
+
+enum status series_liquefaction_write(const struct ensemble *ensemble, const char *directory, bool *liquefied)
+{
+    char path[2048];
+    *liquefied = false;
+    for (size_t k = 0; k < ensemble->n; k++)
+        *liquefied |= isfinite(ensemble->member[k].quantity[QUANTITY_CYCLES_LIQUEFACTION].value) != 0;
+    if (!*liquefied)
+        return STATUS_OK;
+    if (snprintf(path, sizeof path, "%s/liquefaction.gp", directory) >= (int)sizeof path)
+        return status_fail(STATUS_USAGE, "%.60s...: the path is too long", directory);
+    FILE *out = fopen(path, "w");
+    if (!out)
+        return status_fail(STATUS_IO, "%s: %s", path, strerror(errno));
+    fprintf(out,
+            "# Made by analyzer; run `gnuplot liquefaction.gp` here to make the plot again.\n"
+            "set encoding utf8\nset datafile separator ','\nset datafile missing 'nan'\n"
+            "set terminal svg size 720,500 enhanced font 'DejaVu Sans,15' background 'white'\n"
+            "set output 'liquefaction.svg'\nset grid\nset logscale x\nset yrange [0:*]\nunset key\n"
+            "set offsets 0, 0, graph 0.05, 0\n"
+            "set xlabel 'cycles to liquefaction'\nset ylabel 'cyclic stress ratio q_{cyc}/(2 p_0)'\n"
+            "plot 'series.csv' using %d:%d with points pointtype 7\nunset output\n",
+            5 + 2 * QUANTITY_CYCLES_LIQUEFACTION, 5 + 2 * QUANTITY_CYCLES_STRESS_RATIO);
+    return file_close(out, path);
+}

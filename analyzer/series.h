@@ -2,6 +2,7 @@
 #ifndef SHAKEDOWN_ANALYZER_SERIES_H
 #define SHAKEDOWN_ANALYZER_SERIES_H
 
+#include <stdbool.h>
 #include <stdio.h>
 
 #include "analyzer/ensemble.h"
@@ -23,5 +24,9 @@ void series_print(FILE *out, const struct ensemble *ensemble, const char *key);
  * names separated by two empty lines; and series.gp, which plots `*curves` curves of them (0: there is nothing to
  * plot). STATUS_IO. */
 enum status series_write(const struct ensemble *ensemble, const char *key, const char *directory, int *curves) MUST_USE;
+
+/* Where some run liquefied: writes `directory`/liquefaction.gp, which plots the cyclic stress ratio of series.csv
+ * against the number of cycles. STATUS_IO. */
+enum status series_liquefaction_write(const struct ensemble *ensemble, const char *directory, bool *liquefied) MUST_USE;
 
 #endif

@@ -6,7 +6,9 @@
 
 #include "analyzer/compression.h"
 #include "analyzer/controls.h"
+#include "analyzer/cycles.h"
 #include "analyzer/held.h"
+#include "analyzer/shakedown.h"
 #include "analyzer/shear.h"
 #include "analyzer/undrained.h"
 
@@ -274,6 +276,40 @@ static void constant_volume(void **state)
     run_free(&run);
 }
 
+/* Strain cycles of 0.25 s at constant volume that break off at 0.97 s, in the fourth cycle: p = 100 (1 - t) falls to 5
+ * % of p0 in it, at 0.95 s. q = 20 sin: CSR = 20/200, to the largest distance of a sample from a maximum, 1/800 s: 1 -
+ * cos(2 pi/200). */
+static void liquefied_within_a_cycle(void **state)
+{
+    struct quantity q[QUANTITIES];
+    struct cycles cycles;
+    struct curves curves;
+    struct run run;
+    (void)state;
+    fixture_run(&run,
+                STAGE("{ mode = \"coupled\"; keep = \"volume\"; }", "{ mode = \"coupled\"; keep = \"volume\"; }",
+                      "{ mode = \"strain\"; course = \"cosine\"; two_way = true; strain = 1e-3; frequency_hz = 4.0; }"),
+                N);
+    for (size_t i = 0; i < N; i++) {
+        const double t = (double)i / (N - 1), wave = sin(8 * M_PI * t), eps = 1e-3 * wave, p = 100 * (1 - t);
+        record(&run, i, (const double[]){-eps / 2, -eps / 2, eps},
+               (const double[]){p - 20 * wave / 3, p - 20 * wave / 3, p + 40 * wave / 3});
+    }
+    run.n_samples = 389;
+    extracted(&run, &curves, q);
+    assert_int_equal(curves.controls.kind, TEST_CYCLIC);
+    assert_int_equal(cycles_evaluate(&cycles, &curves), STATUS_OK);
+    shakedown_classify(&cycles, &curves, 1e-4);
+    cycles_quantities(&cycles, &curves, q);
+    assert_int_equal(cycles.n, 3);
+    assert_near(q[QUANTITY_CYCLES_LIQUEFACTION].value, 4, 0);
+    assert_near(q[QUANTITY_CYCLES_R_U].value, 0.97, 1e-12);
+    assert_near(q[QUANTITY_CYCLES_STRESS_RATIO].value, 0.1, 0.1 * (1 - cos(2 * M_PI / 200)));
+    cycles_free(&cycles);
+    curves_free(&curves);
+    run_free(&run);
+}
+
 /* Rowe's law itself: R = 3 D with D = 1 - d eps_v/d eps_zz rising from 1/3 + to 1.2. K = 3: sin phi = 1/2, 30 degrees.
  * The hyperbola of the degradation curve: q = E eps/(1 + eps/r) with r = 0.01: half of E at eps = r. */
 static void stress_dilatancy(void **state)
@@ -339,9 +375,15 @@ static void held(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(kinds),     cmocka_unit_test(isotropic),        cmocka_unit_test(indices),
-        cmocka_unit_test(oedometer), cmocka_unit_test(extension),        cmocka_unit_test(constant_volume),
-        cmocka_unit_test(held),      cmocka_unit_test(stress_dilatancy),
+        cmocka_unit_test(kinds),
+        cmocka_unit_test(isotropic),
+        cmocka_unit_test(indices),
+        cmocka_unit_test(oedometer),
+        cmocka_unit_test(extension),
+        cmocka_unit_test(constant_volume),
+        cmocka_unit_test(held),
+        cmocka_unit_test(liquefied_within_a_cycle),
+        cmocka_unit_test(stress_dilatancy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
