@@ -1,4 +1,5 @@
 #include "common/scene_check.h"
+#include "common/scene_keys.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,73 +14,25 @@ static enum status friction_check(const struct scene_material *m, const config_s
     return STATUS_OK;
 }
 
-/* Stiffness and damping of both directions follow from the elastic constants. */
-static enum status hertz_check(const struct scene_material *m, const config_setting_t *at, const char *where)
-{
-    if (!(m->youngs_modulus_pa > 0))
-        return config_fail(at, where, "law \"hertz\" needs youngs_modulus_pa above 0");
-    if (m->kn_n_per_m > 0 || m->k1_n_per_m > 0 || m->k2_n_per_m > 0 || m->kc_n_per_m > 0 || m->kt_n_per_m > 0)
-        return config_fail(at, where,
-                           "law \"hertz\" takes youngs_modulus_pa and poisson_ratio; kn, k1, k2, kc and kt "
-                           "belong to the other laws");
-    if (m->gamma_n_kg_per_s > 0 || m->gamma_t_kg_per_s > 0)
-        return config_fail(at, where, "law \"hertz\" takes restitution; gamma_n and gamma_t belong to the other laws");
-    return friction_check(m, at, where);
-}
-
-static enum status linear_check(const struct scene_material *m, const config_setting_t *at, const char *where)
-{
-    if (!(m->kn_n_per_m > 0))
-        return config_fail(at, where, "law \"linear\" needs kn_n_per_m above 0");
-    if (m->k1_n_per_m > 0 || m->k2_n_per_m > 0 || m->kc_n_per_m > 0 || m->kp_n_per_m > 0)
-        return config_fail(at, where,
-                           "k1, k2, kc and kp belong to law \"hysteretic\"; law \"linear\" takes kn_n_per_m");
-    if (m->restitution < 1 && m->gamma_n_kg_per_s > 0)
-        return config_fail(at, where, "restitution and gamma_n_kg_per_s say the same: one of them");
-    return STATUS_OK;
-}
-
-static enum status hysteretic_check(const struct scene_material *m, const config_setting_t *at, const char *where)
-{
-    const bool grows = m->law == LAW_ELASTOPLASTIC;
-    const double k2 = grows ? m->kp_n_per_m : m->k2_n_per_m;
-    if (!(m->k1_n_per_m > 0 && k2 >= m->k1_n_per_m))
-        return config_fail(at, where, "law \"%s\" needs 0 < k1_n_per_m <= %s (here %g and %g)",
-                           grows ? "elastoplastic" : "hysteretic", grows ? "kp_n_per_m" : "k2_n_per_m", m->k1_n_per_m,
-                           k2);
-    if (grows && m->k2_n_per_m > 0)
-        return config_fail(at, where, "kp_n_per_m, to which k2 grows, and k2_n_per_m exclude each other");
-    if (grows && !(m->phi_f > 0))
-        return config_fail(at, where, "law \"elastoplastic\" needs phi_f above 0");
-    if (m->kn_n_per_m > 0)
-        return config_fail(at, where, "kn_n_per_m belongs to law \"linear\"; law \"hysteretic\" takes k1 and k2");
-    if (m->restitution < 1)
-        return config_fail(at, where,
-                           "restitution belongs to the laws \"linear\" and \"hertz\"; here the history loses");
-    return STATUS_OK;
-}
-
 /* Checks between the keys of one material; `where` is its path. */
 static enum status material_check(const struct scene_material *m, const config_setting_t *at, const char *where)
 {
-    const bool is_linear = m->law == LAW_LINEAR || m->law == LAW_LINEAR_RESTITUTION;
-    if (m->law == LAW_HERTZ)
-        return hertz_check(m, at, where);
-    if (m->youngs_modulus_pa > 0)
-        return config_fail(at, where, "youngs_modulus_pa and poisson_ratio belong to law \"hertz\"");
-    TRY(is_linear ? linear_check(m, at, where) : hysteretic_check(m, at, where));
+    const char *k2_key = m->law == LAW_ELASTOPLASTIC ? "kp_n_per_m" : "k2_n_per_m";
+    const double k2 = fmax(m->k2_n_per_m, m->kp_n_per_m);
+    TRY(scene_check_law_keys(m, at, where));
+    if (m->k1_n_per_m > k2)
+        return config_fail(at, where, "law \"%s\" needs 0 < k1_n_per_m <= %s (here %g and %g)", scene_law_name(m->law),
+                           k2_key, m->k1_n_per_m, k2);
     TRY(friction_check(m, at, where));
-    if (m->mu_s > 0 && !(m->kt_n_per_m > 0))
+    if (m->mu_s > 0 && scene_law_takes(m->law, "kt_n_per_m") && !(m->kt_n_per_m > 0))
         return config_fail(at, where, "friction (mu_s above 0) needs kt_n_per_m above 0");
     return STATUS_OK;
 }
 
-/* Contacts of a scene are of one model: the linear law is the hysteretic one with k1 = k2, or that with a restitution
- * of 1; the hysteretic law is the elastoplastic one whose k2 does not grow. */
+/* Contacts of a scene are of one model. */
 static bool fit_in_one_scene(int a, int b)
 {
-    const int least = a < b ? a : b, most = a < b ? b : a;
-    return least == most || (most != LAW_HERTZ && least != LAW_LINEAR_RESTITUTION);
+    return a == b || scene_law_expresses(a, b) || scene_law_expresses(b, a);
 }
 
 /* A law against those of the stages before `end`. */

@@ -1,6 +1,8 @@
 #include "common/scene_keys.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/scene.h"
@@ -91,6 +93,79 @@ const struct key scene_wall_material_keys[] = {
     OF_WALL(kt_n_per_m, "N/m", 0, INFINITY, "tangential stiffness of contacts with the wall"),
     OF_WALL(gamma_t_kg_per_s, "kg/s", 0, INFINITY, "tangential dissipation of contacts with the wall"),
     {0}};
+
+/* Keys that only some laws take; of these, `needed` ones must be above 0. */
+#define LAW(name) (1u << LAW_##name)
+static const struct law_key {
+    const char *name;
+    unsigned laws;
+    bool needed;
+} law_keys[] = {
+    {"kn_n_per_m", LAW(LINEAR) | LAW(LINEAR_RESTITUTION), true},
+    {"k1_n_per_m", LAW(HYSTERETIC) | LAW(ELASTOPLASTIC), true},
+    {"k2_n_per_m", LAW(HYSTERETIC), true},
+    {"kc_n_per_m", LAW(HYSTERETIC) | LAW(ELASTOPLASTIC), false},
+    {"kp_n_per_m", LAW(ELASTOPLASTIC), true},
+    {"phi_f", LAW(ELASTOPLASTIC), true},
+    {"youngs_modulus_pa", LAW(HERTZ), true},
+    {"poisson_ratio", LAW(HERTZ), false},
+    {"restitution", LAW(LINEAR_RESTITUTION) | LAW(HERTZ), false},
+    {"gamma_n_kg_per_s", ~(LAW(LINEAR_RESTITUTION) | LAW(HERTZ)), false},
+    {"kt_n_per_m", ~LAW(HERTZ), false},
+    {"gamma_t_kg_per_s", ~LAW(HERTZ), false},
+};
+
+/* Laws that are others with constants of their own: linear is hysteretic with k1 = k2, or has a restitution of 1;
+ * hysteretic is elastoplastic with a k2 that does not grow. */
+static const unsigned law_expresses[LAW_COUNT] = {
+    [LAW_LINEAR_RESTITUTION] = LAW(LINEAR),
+    [LAW_HYSTERETIC] = LAW(LINEAR),
+    [LAW_ELASTOPLASTIC] = LAW(LINEAR) | LAW(HYSTERETIC),
+};
+
+bool scene_law_expresses(int law, int other)
+{
+    return law_expresses[law] >> other & 1;
+}
+
+bool scene_law_takes(int law, const char *key)
+{
+    for (size_t k = 0; k < sizeof law_keys / sizeof law_keys[0]; k++)
+        if (strcmp(law_keys[k].name, key) == 0)
+            return law_keys[k].laws >> law & 1;
+    return true;
+}
+
+/* The laws of a set, for a message. */
+static void laws_text(unsigned laws, char *text, size_t size)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (int law = 0; law < LAW_COUNT && used < size; law++)
+        if (laws >> law & 1)
+            used += (size_t)snprintf(text + used, size - used, "%s\"%s\"", used ? ", " : "", law_names[law]);
+}
+
+enum status scene_check_law_keys(const struct scene_material *material, const config_setting_t *at, const char *where)
+{
+    char owners[128];
+    for (size_t k = 0; k < sizeof law_keys / sizeof law_keys[0]; k++) {
+        const struct law_key *rule = &law_keys[k];
+        const struct key *key = material_keys;
+        while (strcmp(key->name, rule->name) != 0)
+            key++;
+        const double value = *(const double *)((const char *)material + key->offset);
+        const bool takes = rule->laws >> material->law & 1;
+        if (takes && rule->needed && !(value > 0))
+            return config_fail(at, where, "law \"%s\" needs %s above 0", law_names[material->law], key->name);
+        if (takes || value == strtod(key->preset, NULL))
+            continue;
+        laws_text(rule->laws, owners, sizeof owners);
+        return config_fail(at, where, "law \"%s\" does not take %s, which belongs to %s", law_names[material->law],
+                           key->name, owners);
+    }
+    return STATUS_OK;
+}
 
 static const struct key axis_keys[] = {
     {"mode", KEY_CHOICE, OF(scene_axis, mode), NULL, 0, 0, "fixed", mode_names, NULL,

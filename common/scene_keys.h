@@ -30,6 +30,14 @@ void scene_stage_complete(struct scene_stage *stage);
 /* The law that keys of others refine: linear with a restitution, hysteretic with a k2 that grows. */
 void scene_material_refine(struct scene_material *material);
 
+/* STATUS_CONFIG if the material has a key that its law does not take, or lacks one that it needs. */
+enum status scene_check_law_keys(const struct scene_material *material, const config_setting_t *at,
+                                 const char *where) MUST_USE;
+bool scene_law_takes(int law, const char *key);
+
+/* Whether contacts of law `other` can be computed as such of law `law`: a scene may have both. */
+bool scene_law_expresses(int law, int other);
+
 extern const struct key scene_keys[];       /* struct scene */
 extern const struct key scene_stage_keys[]; /* struct scene_stage */
 extern const struct key scene_group_keys[]; /* struct scene_group */
