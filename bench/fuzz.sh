@@ -25,9 +25,12 @@ done
 command -v clang >/dev/null || bench_usage "clang is missing; as root: apt-get install clang"
 
 fuzz=$root/build-fuzz
-cmake -S "$root" --preset fuzz >"$fuzz.log" 2>&1 || { cat "$fuzz.log" && exit 1; }
-cmake --build "$fuzz" --target fuzz_seeds $(printf 'fuzz_%s_fuzzer ' "${targets[@]}") >>"$fuzz.log" 2>&1 ||
-    { tail -n 40 "$fuzz.log" && exit 1; }
+programs=("${targets[@]/#/fuzz_}")
+programs=("${programs[@]/%/_fuzzer}")
+mkdir -p "$fuzz"
+cmake -S "$root" --preset fuzz >"$fuzz/build.log" 2>&1 || { cat "$fuzz/build.log" && exit 1; }
+cmake --build "$fuzz" --target fuzz_seeds "${programs[@]}" >>"$fuzz/build.log" 2>&1 ||
+    { tail -n 40 "$fuzz/build.log" && exit 1; }
 mkdir -p "$fuzz/found" "$fuzz/corpus"
 "$fuzz/tests/fuzz_seeds" "$fuzz/seeds"
 mkdir -p "$fuzz/seeds/scene"
