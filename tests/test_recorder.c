@@ -818,12 +818,52 @@ static void test_frames_take_their_samples(void **state)
     observed_free(&observed);
 }
 
+/* The last record of a kind before the first CHECKPOINT; -1: there is none. */
+static int last_before_checkpoint(const struct synthetic_run *run, int kind)
+{
+    int found = -1;
+    for (size_t k = 0; k < find(run, RECORD_CHECKPOINT, 0); k++)
+        found = run->messages[k].kind == kind ? (int)k : found;
+    return found;
+}
+
+/* Whichever one record is missing, on whichever channel: neither CHECKPOINT nor END is taken before it is here. */
+static void test_checkpoint_and_end_wait_for_all(void **state)
+{
+    int tried = 0;
+    (void)state;
+    for (int kind = RECORD_PARTICLES; kind < MESSAGE_LOGGED_KINDS; kind++) {
+        struct bench bench;
+        struct recording_ack ack;
+        bench_open_walls(&bench, 20);
+        const int missing = last_before_checkpoint(&bench.run, kind);
+        for (size_t k = 0; missing >= 0 && k < bench.run.count; k++) {
+            if ((int)k != missing)
+                give(&bench, &bench.run.messages[k]);
+        }
+        recording_ack(bench.recording, &ack);
+        assert_true(ack.next_seq[RECORD_CHECKPOINT] == 0 && ack.next_seq[RECORD_END] == 0);
+        assert_false(recording_end_matches(bench.recording));
+        if (missing >= 0) {
+            give(&bench, &bench.run.messages[missing]);
+            give_all(&bench);
+            recording_ack(bench.recording, &ack);
+            assert_true(ack.next_seq[RECORD_CHECKPOINT] == 1 && ack.next_seq[RECORD_END] == 1);
+            finish_complete(&bench);
+            tried++;
+        }
+        bench_close(&bench);
+    }
+    assert_true(tried >= 6); /* particles, samples, both kinds of frames, states and commands of the walls */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_friction_columns),
         cmocka_unit_test(test_frames_take_their_samples),
+        cmocka_unit_test(test_checkpoint_and_end_wait_for_all),
         cmocka_unit_test(test_gaps_and_repeats),
         cmocka_unit_test(test_answers),
         cmocka_unit_test(test_foreign_and_oversized),

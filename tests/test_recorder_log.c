@@ -265,6 +265,41 @@ static void test_verify(void **state)
     bench_close(&bench);
 }
 
+/* A log without one record in the middle, one with a record that is another, and a run.h5 that is not complete. */
+static void test_verify_says_what_is_wrong(void **state)
+{
+    struct bench bench;
+    char said[4096], path[96];
+    const int32_t no = 0;
+    (void)state;
+    bench_open(&bench, &synthetic_default);
+    snprintf(path, sizeof path, "%s/run.lcm", bench.directory);
+    assert_int_equal(rename(bench.log, path), 0);
+    assert_int_equal(convert(path, bench.directory), STATUS_OK);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(verify(bench.directory, said, sizeof said), STATUS_OK);
+    struct synthetic_message *sample = bench.run.messages;
+    while (sample->kind != RECORD_SAMPLE || sample[1].kind != RECORD_SAMPLE)
+        sample++;
+    sample->data[sample->size - 1] ^= 1;
+    write_log(&bench.run, path);
+    assert_int_equal(verify(bench.directory, said, sizeof said), STATUS_FORMAT);
+    assert_non_null(strstr(said, "the records on SAMPLE are not those that were sent"));
+    assert_int_equal(unlink(path), 0);
+    sample->kind = MESSAGE_STATUS; /* which no log has */
+    write_log(&bench.run, path);
+    assert_int_not_equal(verify(bench.directory, said, sizeof said), STATUS_OK);
+    assert_non_null(strstr(said, "where 0 was due"));
+    assert_int_equal(unlink(path), 0);
+    snprintf(path, sizeof path, "%s/run.h5", bench.directory);
+    hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+    hid_t complete = H5Aopen(file, "complete", H5P_DEFAULT);
+    assert_true(H5Awrite(complete, H5T_NATIVE_INT32, &no) >= 0 && H5Aclose(complete) >= 0 && H5Fclose(file) >= 0);
+    assert_int_equal(verify(bench.directory, said, sizeof said), STATUS_INCOMPLETE);
+    assert_non_null(strstr(said, "not complete"));
+    bench_close(&bench);
+}
+
 /* A sample of the right form, number and run that is not the one that was sent: END's hash does not match. */
 static void test_another_sample(void **state)
 {
@@ -350,6 +385,7 @@ int main(void)
         cmocka_unit_test(test_missing_and_empty_log),
         cmocka_unit_test(test_event_log),
         cmocka_unit_test(test_verify),
+        cmocka_unit_test(test_verify_says_what_is_wrong),
         cmocka_unit_test(test_another_sample),
         cmocka_unit_test(test_log_without_some_walls),
         cmocka_unit_test(test_throughput),
