@@ -40,6 +40,7 @@ if [[ " ${targets[*]} " == *" checkpoint "* ]]; then
     "$bin/sim/sim" "$root/tests/scenes/small.cfg" --in-process --checkpoint "$fuzz/checkpoint.h5" >/dev/null
 fi
 export FUZZ_CHECKPOINT=$fuzz/checkpoint.h5
+export LSAN_OPTIONS=suppressions=$root/tests/fuzz/leaks.supp:print_suppressions=0
 failed=0
 for target in "${targets[@]}"; do
     corpus=$fuzz/corpus/$target found=$fuzz/found/$target
