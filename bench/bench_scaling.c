@@ -234,10 +234,11 @@ static double bytes_moved(const struct sample *sample)
         history += history_has(&sample->pairs.model, c) ? real : 0;
     const int slot = 4 + real + (p->single ? (d + 1) * real : 0) + 2 * history;
     const int positions = d * real, velocities = (d + s) * real, radius = s ? real : 0;
+    const int lags = s ? velocities : 0;
     const int pair =
-        record + positions + velocities + radius + 2 * (rows + velocities); /* columns are velocities' size */
+        record + positions + velocities + lags + radius + 2 * (rows + velocities); /* columns are velocities' size */
     const int state = p->single ? 4 * (positions + velocities) : 8 * (2 * (d + d + s) + d) + 2 * velocities;
-    const int factors = (s ? 3 : 1) * real, advance = 2 * rows + velocities + state + factors + record;
+    const int factors = (s ? 3 : 1) * real, advance = 2 * rows + velocities + lags + state + factors + record;
     return (double)slot * SET_WIDTH * sample->pairs.n_sets + (double)(pair + advance) * p->count;
 }
 

@@ -1,5 +1,5 @@
 # Friction: single contacts against closed forms; packed samples, cycles and hard cases.
-foreach(part contact sample)
+foreach(part contact sample scheme)
   add_executable(test_friction_${part} ${CMAKE_CURRENT_LIST_DIR}/test_friction_${part}.c)
   target_link_libraries(test_friction_${part} PRIVATE sim_fixture)
   target_compile_definitions(test_friction_${part} PRIVATE SCENES="${PROJECT_SOURCE_DIR}/scenes")

@@ -245,12 +245,6 @@ static void oblique(int dimension, int steps, double *value)
     p->v[last][0] = 0.5 * v;
     p->omega[0][1] = 30;
     time_step_forces_anew(f.sample);
-    /* The spring is kept for the middle of the coming step: zero now is v_t dt/2 there. n = -x; 2D: v_t along (-n1, n0)
-     * is g_z n_x - (a omega)_1; 3D: v_t = g + n x w, of which omega_x, along n, takes no part. */
-    double vt = dimension == 2 ? -0.5 * v - p->radius[1] * 30 : 0.5 * v;
-    contact_list_read(&f.sample->pairs);
-    f.sample->pairs.history[HISTORY_SPRING + (dimension == 2 ? 0 : 2)][0] = 0.5 * f.sample->dt * vt;
-    must(contact_list_close(&f.sample->pairs, p, NULL));
     fixture_steps(&f, steps);
     assert_false(contact_list_slides(&f.sample->pairs, 0));
     for (int i = 0; i < 2; i++) {

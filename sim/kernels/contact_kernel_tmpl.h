@@ -1,17 +1,21 @@
 /* Pairs and walls: from the particles' records to forces and their sums; parameters as of contact_law_tmpl.h. */
 
-/* Records of LANES particles: position, velocity, rotation. Single: positions are those of the lists plus so many
- * quanta, integers in a float's place. */
+/* Records of LANES particles: position, velocity, rotation, and lags (particles.h). Single: positions are those of the
+ * lists plus so many quanta, integers in a float's place. */
 struct NAME(other) {
-    real x[DIM], v[DIM], omega[3];
+    real x[DIM], v[DIM], omega[3], lag[DIM], lag_omega[3];
 };
 
 LANES_INLINE struct NAME(other) NAME(other)(const struct particles *p, const uint32_t *row)
 {
     struct NAME(other) to = {0};
-    real block[8];
+    real block[16];
 #if SINGLE
-#if DIM == 2
+#if FRICTIONAL
+    f32_gather8(p->record, row, block);
+    if (DIM == 3)
+        f32_gather8((const double *)p->record + 4, row, block + 8);
+#elif DIM == 2
     f32_gather4(p->record, row, block);
 #else
     f32_gather8(p->record, row, block);
@@ -20,12 +24,13 @@ LANES_INLINE struct NAME(other) NAME(other)(const struct particles *p, const uin
         to.x[c] = block[c];
         to.v[c] = block[DIM + c];
     }
-#if FRICTIONAL && DIM == 2
-    to.omega[0] = f32_gather((const float *)p->view_omega[0], row, RECORD_STRIDE(2, 1, 1));
-#elif FRICTIONAL
-    to.omega[0] = block[6];
-    to.omega[1] = block[7];
-    to.omega[2] = f32_gather((const float *)p->view_omega[2], row, RECORD_STRIDE(3, 1, 1));
+#if FRICTIONAL
+    for (int c = 0; c < DIM; c++)
+        to.lag[c] = block[2 * DIM + SPRINGS + c];
+    for (int c = 0; c < SPRINGS; c++) {
+        to.omega[c] = block[2 * DIM + c];
+        to.lag_omega[c] = block[3 * DIM + SPRINGS + c];
+    }
 #endif
 #else
     const double *record = p->record;
@@ -42,10 +47,20 @@ LANES_INLINE struct NAME(other) NAME(other)(const struct particles *p, const uin
         to.v[c] = block[4 + c];
     }
 #endif
-#if FRICTIONAL
-    f64_gather4(record + 4 * (DIM - 1), row, block);
-    for (int c = 0; c < SPRINGS; c++)
-        to.omega[c] = block[c];
+#if FRICTIONAL && DIM == 2
+    f64_gather4(record + 4, row, block + 4);
+    to.omega[0] = block[4];
+    to.lag[0] = block[5];
+    to.lag[1] = block[6];
+    to.lag_omega[0] = block[7];
+#elif FRICTIONAL
+    f64_gather4(record + 8, row, block + 8);
+    f64_gather4(record + 12, row, block + 12);
+    for (int c = 0; c < 3; c++) {
+        to.omega[c] = block[8 + c];
+        to.lag[c] = block[3 + 4 * c];
+        to.lag_omega[c] = block[12 + c];
+    }
 #endif
 #endif
     return to;
@@ -87,8 +102,12 @@ LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, const st
         to.v[c] = NAME(load_at)(p->view_v[c], at);
     }
 #if FRICTIONAL
-    for (int c = 0; c < SPRINGS; c++)
+    for (int c = 0; c < DIM; c++)
+        to.lag[c] = NAME(load_at)(p->view_lag[c], at);
+    for (int c = 0; c < SPRINGS; c++) {
         to.omega[c] = NAME(load_at)(p->view_omega[c], at);
+        to.lag_omega[c] = NAME(load_at)(p->view_lag_omega[c], at);
+    }
 #endif
     return to;
 }
@@ -148,8 +167,11 @@ LANES_INLINE struct NAME(meeting)
         at.g[c] = i.v[c] - j.v[c];
 #if FRICTIONAL
     real a_i = NAME(load_at)(p->view_radius, &seats), a_j = real_fma(real_all(r->unit), at.inverse, -a_i);
+    for (int c = 0; c < DIM; c++)
+        at.lag[c] = i.lag[c] - j.lag[c];
     for (int c = 0; c < SPRINGS; c++) {
         at.w[c] = real_fma(a_i, i.omega[c], a_j * j.omega[c]);
+        at.lag_w[c] = real_fma(a_i, i.lag_omega[c], a_j * j.lag_omega[c]);
 #if DIM == 3
         at.spin[c] = i.omega[c] + j.omega[c];
 #endif
@@ -158,7 +180,7 @@ LANES_INLINE struct NAME(meeting)
     return at;
 }
 
-/* The root, and with it `inverse` and delta. */
+/* The root, and with it `inverse`, delta and the lever arms. */
 LANES_INLINE void NAME(root)(struct NAME(meeting) * at)
 {
     const real reach = at->inverse;
@@ -173,6 +195,13 @@ LANES_INLINE void NAME(root)(struct NAME(meeting) * at)
     const real d2 = NAME(inner)(at->d, at->d);
     at->inverse = lanes_rsqrt(d2, f64_rsqrt_seed(d2));
     at->delta = reach - d2 * at->inverse;
+#endif
+#if FRICTIONAL
+    /* d/reach = 1/(1 + x), x = delta/d, without the division: 1/(1 + x) = (1 - x)(1 + x^2)(1 + x^4) ..., to x^8 */
+    const real x = at->delta * at->inverse, x2 = x * x, x4 = x2 * x2;
+    real arm = real_all(1.0) - x;
+    arm = real_fma(x2, arm, arm);
+    at->arm = real_fma(x4, arm, arm);
 #endif
 }
 
@@ -492,8 +521,12 @@ LANES_INLINE struct NAME(meeting) NAME(meet_wall)(const struct particles *p, con
     at.inverse = real_where(real_greater(at.delta, real_all(0.0)), real_all(1.0));
 #if FRICTIONAL
     const real a_i = real_load((const scalar *)slots->reach + k);
+    at.arm = real_all(1.0) - at.delta * real_all((scalar)slots->unit) / a_i;
+    for (int c = 0; c < DIM; c++)
+        at.lag[c] = i.lag[c]; /* the wall moves along its normal */
     for (int c = 0; c < SPRINGS; c++) {
         at.w[c] = a_i * i.omega[c];
+        at.lag_w[c] = a_i * i.lag_omega[c];
 #if DIM == 3
         at.spin[c] = i.omega[c];
 #endif

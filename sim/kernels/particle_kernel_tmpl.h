@@ -12,14 +12,21 @@ LANES_INLINE void NAME(pack_ahead)(const struct particles *p, int i)
         __builtin_prefetch(record + b, 1);
 }
 
-/* Writes views and records of LANES particles from i on, with their positions x (single: u) and predicted velocities.
- */
-LANES_INLINE void NAME(pack)(struct particles *p, int i, const real *x, const real *v, const real *omega)
+/* How LANES particles move, as contacts want to know it: positions (single: u), predicted velocities, and with friction
+ * their lag (particles.h). */
+struct NAME(motion) {
+    real x[DIM], v[DIM];
+#if FRICTIONAL
+    real omega[SPRINGS], lag[DIM], lag_omega[SPRINGS];
+#endif
+};
+
+/* Writes views and records of LANES particles from i on. */
+LANES_INLINE void NAME(pack)(struct particles *p, int i, const struct NAME(motion) * m)
 {
     enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL, SINGLE) };
-    const real zero = real_all(0.0);
+    const real zero = real_all(0.0), *x = m->x, *v = m->v;
     double *to = (double *)p->record + (size_t)i * STRIDE;
-    (void)omega;
     (void)zero;
     for (int c = 0; c < DIM; c++) {
 #if SINGLE
@@ -28,15 +35,24 @@ LANES_INLINE void NAME(pack)(struct particles *p, int i, const real *x, const re
         real_store((scalar *)p->view_v[c] + i, v[c]);
     }
 #if FRICTIONAL
-    for (int c = 0; c < SPRINGS; c++)
+    const real *omega = m->omega, *lag = m->lag, *spin = m->lag_omega;
+    for (int c = 0; c < DIM; c++)
+        real_store((scalar *)p->view_lag[c] + i, lag[c]);
+    for (int c = 0; c < SPRINGS; c++) {
         real_store((scalar *)p->view_omega[c] + i, omega[c]);
+        real_store((scalar *)p->view_lag_omega[c] + i, spin[c]);
+    }
 #endif
-#if SINGLE && DIM == 2
+#if SINGLE && DIM == 2 && FRICTIONAL
+    const real record[8] = {x[0], x[1], v[0], v[1], omega[0], lag[0], lag[1], spin[0]};
+    f32_store8((float *)to, record);
+#elif SINGLE && DIM == 2
     const real record[4] = {x[0], x[1], v[0], v[1]};
     f32_store4((float *)to, record);
 #elif SINGLE && FRICTIONAL
-    const real record[8] = {x[0], x[1], x[2], v[0], v[1], v[2], omega[0], omega[1]};
-    f32_store8((float *)to, record);
+    const real record[16] = {x[0],     x[1],   x[2],   v[0],   v[1],    v[2],    omega[0], omega[1],
+                             omega[2], lag[0], lag[1], lag[2], spin[0], spin[1], spin[2],  zero};
+    f32_store16((float *)to, record);
 #elif SINGLE
     const real record[8] = {x[0], x[1], x[2], v[0], v[1], v[2], zero, zero};
     f32_store8((float *)to, record);
@@ -44,17 +60,21 @@ LANES_INLINE void NAME(pack)(struct particles *p, int i, const real *x, const re
     const real block[4] = {x[0], x[1], v[0], v[1]};
     f64_store4(to, STRIDE, block);
 #if FRICTIONAL
-    const real rotation[4] = {omega[0], zero, zero, zero};
+    const real rotation[4] = {omega[0], lag[0], lag[1], spin[0]};
     f64_store4(to + 4, STRIDE, rotation);
 #endif
 #else
-    const real block[4] = {x[0], x[1], x[2], zero}, second[4] = {v[0], v[1], v[2], zero};
+#if FRICTIONAL
+    const real lag0 = lag[0], lag1 = lag[1];
+    const real rotation[4] = {omega[0], omega[1], omega[2], lag[2]}, last[4] = {spin[0], spin[1], spin[2], zero};
+    f64_store4(to + 8, STRIDE, rotation);
+    f64_store4(to + 12, STRIDE, last);
+#else
+    const real lag0 = zero, lag1 = zero;
+#endif
+    const real block[4] = {x[0], x[1], x[2], lag0}, second[4] = {v[0], v[1], v[2], lag1};
     f64_store4(to, STRIDE, block);
     f64_store4(to + 4, STRIDE, second);
-#if FRICTIONAL
-    const real rotation[4] = {omega[0], omega[1], omega[2], zero};
-    f64_store4(to + 8, STRIDE, rotation);
-#endif
 #endif
 }
 
@@ -148,6 +168,7 @@ LANES_INLINE struct NAME(push) NAME(pushed)(struct particles *p, int i, struct N
 struct NAME(drift) {
     real_mask near;
     real half, limit2;
+    real since; /* 1; 0 at the start of a stage, whose springs are those of now and not of half a step ahead */
 #if SINGLE
     real push;                /* from the middle of the step before to that of the one to come */
     real quanta, quanta_rest; /* dt, in quanta per m/s; and what rounding left out */
@@ -162,6 +183,7 @@ LANES_INLINE struct NAME(drift) NAME(drift_of)(const struct particles *p, double
     const double reach = SINGLE ? reach_m / p->quantum : reach_m;
     struct NAME(drift) to = {.near = real_at_least(zero, zero), .half = real_all(0.5 * dt_s)};
     to.limit2 = real_all(reach * reach);
+    to.since = real_all(before_s > 0 ? 1.0 : 0.0);
 #if SINGLE
     const double quanta = dt_s / p->quantum;
     to.push = real_all(0.5 * (before_s + dt_s));
@@ -207,41 +229,66 @@ LANES_INLINE real NAME(speed)(const struct NAME(drift) * drift, double *v, real 
 }
 #endif
 
+#if FRICTIONAL
+/* The lag of a component: 2 v(k+1/2) - v*(k) - v*(k+1), from the predicted ones before and now and what the middle is
+ * more than that of now. */
+LANES_INLINE real NAME(lag)(const struct NAME(drift) * drift, real before, real now, real middle_more)
+{
+    return real_fma(real_all(2.0), middle_more, real_fma(-drift->since, before, now));
+}
+#endif
+
 /* Drift: velocities at the middle of the step to come, positions and predicted velocities at its end. `settled`: the
  * velocities of p are those of now, not of the middle of the step before. */
 LANES_INLINE void NAME(drifted)(struct particles *p, int i, struct NAME(drift) * drift, const struct NAME(push) * push,
                                 bool settled)
 {
-    real place[DIM], v[DIM], omega[3], moved2 = real_all(0.0);
+    struct NAME(motion) to;
+    real *place = to.x, *v = to.v, moved2 = real_all(0.0);
     (void)settled;
     for (int c = 0; c < DIM; c++) {
+        const real before = real_load((const scalar *)p->view_v[c] + i);
+        (void)before;
 #if SINGLE
         real rest;
         v[c] = NAME(speed)(drift, (const float *)p->view_v[c] + i, p->v_rest[c] + i, push->a[c], &rest);
         place[c] = NAME(place)(drift, p->view_u[c] + i, p->u_rest[c] + i, v[c], rest);
         real moved = f32_of_integers(place[c]);
+#if FRICTIONAL
+        to.lag[c] = NAME(lag)(drift, before, v[c], rest);
+#endif
 #else
         v[c] = NAME(speed)(drift, p->v[c] + i, push->a[c], settled);
         place[c] = f64_fma(drift->dt, v[c], f64_load(p->x[c] + i));
         f64_store(p->x[c] + i, place[c]);
         real moved = place[c] - f64_load(p->x_list[c] + i);
+        const real middle = v[c];
         v[c] = f64_fma(drift->half, push->a[c], v[c]);
+        (void)middle;
+#if FRICTIONAL
+        to.lag[c] = NAME(lag)(drift, before, v[c], middle - v[c]);
+#endif
 #endif
         moved2 = real_fma(moved, moved, moved2);
     }
 #if FRICTIONAL
     for (int c = 0; c < SPRINGS; c++) {
+        const real before = real_load((const scalar *)p->view_omega[c] + i);
 #if SINGLE
         real rest;
-        omega[c] = NAME(speed)(drift, (const float *)p->view_omega[c] + i, p->omega_rest[c] + i, push->alpha[c], &rest);
+        to.omega[c] =
+            NAME(speed)(drift, (const float *)p->view_omega[c] + i, p->omega_rest[c] + i, push->alpha[c], &rest);
 #else
-        omega[c] = f64_fma(drift->half, push->alpha[c], NAME(speed)(drift, p->omega[c] + i, push->alpha[c], settled));
+        const real middle = NAME(speed)(drift, p->omega[c] + i, push->alpha[c], settled);
+        to.omega[c] = f64_fma(drift->half, push->alpha[c], middle);
+        const real rest = middle - to.omega[c];
 #endif
+        to.lag_omega[c] = NAME(lag)(drift, before, to.omega[c], rest);
     }
 #endif
     drift->near = real_and(drift->near, real_at_least(drift->limit2, moved2));
     NAME(pack_ahead)(p, i);
-    NAME(pack)(p, i, place, v, omega);
+    NAME(pack)(p, i, &to);
 }
 
 /* What stands behind the last particle, up to a whole block, does not fall: its places are in no list. */

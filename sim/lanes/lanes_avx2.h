@@ -213,11 +213,6 @@ LANES_INLINE void f32_gather8(const double *base, const uint32_t *row, f32 *colu
     f32_gather4(base, row, column);
     f32_gather4(base + 2, row, column + 4);
 }
-LANES_INLINE f32 f32_gather(const float *base, const uint32_t *row, int stride)
-{
-    __m256i at = _mm256_loadu_si256((const __m256i *)row);
-    return _mm256_i32gather_ps(base, _mm256_srli_epi32(at, stride / 2), 4);
-}
 LANES_INLINE void lanes_transpose4(f64 r0, f64 r1, f64 r2, f64 r3, f64 *column)
 {
     f64 lo01 = _mm256_unpacklo_pd(r0, r1), hi01 = _mm256_unpackhi_pd(r0, r1);
@@ -288,6 +283,11 @@ LANES_INLINE void f32_store8(float *to, const f32 *column)
 {
     lanes_store_quads(to, 8, column);
     lanes_store_quads(to + 4, 8, column + 4);
+}
+LANES_INLINE void f32_store16(float *to, const f32 *column)
+{
+    for (int c = 0; c < 16; c += 4)
+        lanes_store_quads(to + c, 16, column + c);
 }
 /* Sums, row by row. */
 LANES_INLINE void f64_add2(void *base, const uint32_t *row, const f64 *column)

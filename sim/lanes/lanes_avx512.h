@@ -248,11 +248,6 @@ LANES_INLINE void f32_gather8(const double *base, const uint32_t *row, f32 *colu
         column[4 + c] = _mm512_shuffle_f32x4(part[c], part[4 + c], 0xdd);
     }
 }
-LANES_INLINE f32 f32_gather(const float *base, const uint32_t *row, int stride)
-{
-    __m512i at = _mm512_loadu_si512(row);
-    return stride == 2 ? _mm512_i32gather_ps(at, base, 2) : _mm512_i32gather_ps(at, base, 1);
-}
 LANES_INLINE void f64_load4(const double *from, int stride, f64 *column)
 {
     lanes_transpose4(lanes_two(from, from + 2 * stride), lanes_two(from + stride, from + 3 * stride),
@@ -361,6 +356,23 @@ LANES_INLINE void f32_store8(float *to, const f32 *column)
         f64 a = _mm512_castps_pd(front[r]), b = _mm512_castps_pd(back[r]);
         _mm512_storeu_pd(to + 32 * r, _mm512_permutex2var_pd(a, even, b));
         _mm512_storeu_pd(to + 32 * r + 16, _mm512_permutex2var_pd(a, odd, b));
+    }
+}
+/* Four quads of each of four rows, in as many registers: one row each. */
+LANES_INLINE void f32_store16(float *to, const f32 *column)
+{
+    f32 quad[4][4];
+    for (int q = 0; q < 4; q++)
+        lanes_rows_of_4(column + 4 * q, quad[q]);
+    for (int r = 0; r < 4; r++, to += 64) {
+        f32 even0 = _mm512_shuffle_f32x4(quad[0][r], quad[1][r], 0x88),
+            odd0 = _mm512_shuffle_f32x4(quad[0][r], quad[1][r], 0xdd);
+        f32 even2 = _mm512_shuffle_f32x4(quad[2][r], quad[3][r], 0x88),
+            odd2 = _mm512_shuffle_f32x4(quad[2][r], quad[3][r], 0xdd);
+        _mm512_storeu_ps(to, _mm512_shuffle_f32x4(even0, even2, 0x88));
+        _mm512_storeu_ps(to + 16, _mm512_shuffle_f32x4(odd0, odd2, 0x88));
+        _mm512_storeu_ps(to + 32, _mm512_shuffle_f32x4(even0, even2, 0xdd));
+        _mm512_storeu_ps(to + 48, _mm512_shuffle_f32x4(odd0, odd2, 0xdd));
     }
 }
 /* Sums, row by row. */

@@ -198,11 +198,6 @@ LANES_INLINE void f32_gather8(const double *base, const uint32_t *row, f32 *colu
 {
     memcpy(column, base + row[0], 8 * sizeof *column);
 }
-/* Of the floats one by one: base[row/stride]; stride is 2 or 4. */
-LANES_INLINE f32 f32_gather(const float *base, const uint32_t *row, int stride)
-{
-    return base[row[0] / (uint32_t)stride];
-}
 /* The same for F64_LANES records, one after the other with `stride` members from one to the next. */
 LANES_INLINE void f64_load4(const double *from, int stride, f64 *column)
 {
@@ -222,7 +217,7 @@ LANES_INLINE void f64_load2(const double *from, f64 *column)
     column[0] = from[0];
     column[1] = from[1];
 }
-/* Columns of F32_LANES consecutive records of 2, 4 or 8 floats, and records from columns. */
+/* Columns of F32_LANES consecutive records of 2, 4 or 8 floats, and records, of 16 too, from columns. */
 LANES_INLINE void f32_load2(const float *from, f32 *column)
 {
     memcpy(column, from, 2 * sizeof *column);
@@ -242,6 +237,10 @@ LANES_INLINE void f32_store4(float *to, const f32 *column)
 LANES_INLINE void f32_store8(float *to, const f32 *column)
 {
     memcpy(to, column, 8 * sizeof *column);
+}
+LANES_INLINE void f32_store16(float *to, const f32 *column)
+{
+    memcpy(to, column, 16 * sizeof *column);
 }
 /* Where the sums of a particle are whose record starts at `row`, `unit` bytes for each double of a record. */
 LANES_INLINE void *lanes_sums(void *base, uint32_t row, int unit)

@@ -25,10 +25,10 @@ struct contact_losses {
     double stiffness; /* what a tangential stiffness that changes with the contact takes (Mindlin) */
 };
 
-/* Of one contact at a complete step: force on i and its tangential part [N], normal force, energy in the elastic normal
- * force and in the tangential spring [J]. */
+/* Of one contact at a complete step: force on i and its tangential part [N], that of the tangential spring alone,
+ * reversed, in its components; normal force, energy in the elastic normal force and in the tangential spring [J]. */
 struct contact_forces {
-    double total[3], tangential[3];
+    double total[3], tangential[3], spring[3];
     double normal, elastic_j, spring_j;
 };
 

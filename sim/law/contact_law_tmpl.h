@@ -7,9 +7,10 @@
  * Every contact's arithmetic is the same in every lane and instruction set, so forces and histories are the same bits;
  * only the sums of the losses differ in their order. There are no branches: open candidates select zeros.
  *
- * Tangential law [D eq. 2-4], second order in time: the spring is kept at the middle of the step, xi(k+1/2) =
- * xi(k-1/2) + v_t(k) dt, and brought to the step's end by xi(k) = xi(k-1/2) + v_t(k) dt/2, with v_t from velocities
- * predicted for the same time as the positions (no half-step lag). */
+ * Tangential law [D eq. 2-4], second order in time: the spring at the step's end, xi(k), is as far as the particles
+ * have gone along each other, xi(k) = xi(k-1) + v_t(k-1/2) dt; the dashpot takes velocities predicted for the same time
+ * as the positions. What is kept is xi(k) + v_t(k) dt/2, half a step ahead, for which v_t(k-1/2) = (v_t(k-1) + v_t(k) +
+ * lag)/2 (particles.h) needs nothing of the step before (docs/theory.md: Time integration of friction). */
 #include "sim/lanes/lanes_real.h"
 
 #undef NAME_
@@ -94,9 +95,10 @@ LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
 struct NAME(law) {
     struct NAME(normal_law) normal;
     scalar gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt;
-    scalar lever;        /* gamma_t - kt dt/2 */
-    scalar per_force;    /* 1/N, a power of 2 */
-    scalar half, damped; /* Mindlin: dt/2 of that, and the part of gamma_t */
+    scalar lever;                         /* gamma_t - kt dt/2 */
+    scalar per_force;                     /* 1/N, a power of 2 */
+    scalar half, damped;                  /* Mindlin: dt/2 of that, and the part of gamma_t */
+    scalar unit, dt_units, half_per_unit; /* of lengths [m]; dt and dt/2 over that */
 };
 
 /* dt_s: by which the contacts go on; lever_s: the time step that springs are half of ahead; unit: that of overlaps and
@@ -115,6 +117,9 @@ LANES_INLINE struct NAME(law)
                               .lever = (scalar)(law->gamma_t - 0.5 * law->kt * lever_s),
                               .half = (scalar)(law->springs ? 0.5 * lever_s : 0),
                               .damped = law->springs,
+                              .unit = (scalar)unit,
+                              .dt_units = (scalar)(law->springs ? dt_s / unit : 0),
+                              .half_per_unit = (scalar)(law->springs ? 0.5 * dt_s / unit : 0),
                               .per_force = (scalar)law->per_force};
 }
 
@@ -152,12 +157,13 @@ LANES_INLINE struct NAME(memory) NAME(memory_at)(void *const *pair, void *const 
 }
 
 /* What the law wants to know of a set of contacts, with i's side against j's: centres, velocities of the centres, w =
- * a_i omega_i + a_j omega_j and spin = omega_i + omega_j. */
+ * a_i omega_i + a_j omega_j and spin = omega_i + omega_j; and the lags of velocities and of w. */
 struct NAME(meeting) {
     real d[DIM], g[DIM];
     real inverse, delta; /* inverse of |d|; overlap, up to 0 if they do not touch; single: then both 0 */
 #if FRICTIONAL
-    real w[SPRINGS];
+    real w[SPRINGS], lag[DIM], lag_w[SPRINGS];
+    real arm; /* lever arms over the radii */
 #if DIM == 3
     real spin[3];
 #endif
@@ -172,7 +178,7 @@ struct NAME(touch) {
 #if MINDLIN
     struct NAME(pair) pair;
 #endif
-    real pull[SPRINGS], pull2, power, bound2, kinetic, factor;
+    real arm, pull[SPRINGS], pull2, power, bound2, kinetic, factor;
     real moved[SPRINGS]; /* the spring half a step on if nothing slides; single: its change */
 #endif
 };
@@ -229,36 +235,19 @@ LANES_INLINE real NAME(cross)(const real *a, const real *b, int c)
     return real_fma(a[d], b[e], -a[e] * b[d]);
 }
 
-/* The spring brought into the tangent plane of today [D] and turned with the pair's mean spin about n by the angle
- * `twist`: what is added to `more`. In double the length is kept as well: what that is more, the square of the turn in
- * a step, is far below a float's rounding. */
-LANES_INLINE void NAME(turn)(const real *n, real twist, const real *spring, const real *more, real *moved)
+/* What turns with the contact changes by this: by the smallest rotation that takes the normal of the step before to n,
+ * R s = s - (s.n)(n - tan(theta/2) e), e the direction in which n moves, and with the pair's mean spin about n. The
+ * length is kept to the fourth order of the turn in a step. gt: velocity of the centres along the tangent plane. */
+LANES_INLINE void NAME(turn)(const struct NAME(law) * law, const struct NAME(meeting) * at, const real *n,
+                             const real *gt, const real *s, real *change)
 {
-    real along = NAME(dot)(spring, n), part[3];
-#if SINGLE
-    real twist_n[3];
-    for (int c = 0; c < 3; c++)
-        twist_n[c] = twist * n[c];
+    const real along = NAME(dot)(s, n), half_turn = real_all(law->half_per_unit) * at->inverse;
+    const real twist = real_all((scalar)0.5 * law->dt) * NAME(dot)(at->spin, n);
+    const real shrink = real_all(-0.5) * twist * twist;
     for (int c = 0; c < 3; c++) {
-        int d = (c + 1) % 3, f = (c + 2) % 3;
-        part[c] = real_fma(-along, n[c], more[c]);
-        moved[c] = real_fma(twist_n[d], spring[f], real_fma(-twist_n[f], spring[d], part[c]));
+        real to = real_fma(-half_turn, gt[c], n[c]);
+        change[c] = real_fma(-along, to, real_fma(twist, NAME(cross)(n, s, c), shrink * s[c]));
     }
-#else
-    real turned[3];
-    for (int c = 0; c < 3; c++)
-        part[c] = real_fma(-along, n[c], spring[c]);
-    for (int c = 0; c < 3; c++)
-        turned[c] = real_fma(twist, NAME(cross)(n, part, c), part[c]);
-    /* sqrt(1 + e) by its series: e is the square of the turn in a step, so that e^4 is below rounding; bounded for
-     * springs that stood almost along n */
-    real turned2 = NAME(dot)(turned, turned);
-    real e = real_smaller(NAME(dot)(spring, spring) / turned2, real_all(1.5)) - real_all(1.0);
-    real root = real_fma(e, real_fma(e, real_fma(e, real_all(0.0625), real_all(-0.125)), real_all(0.5)), real_all(1.0));
-    real scale = real_select(real_greater(turned2, real_all(0.0)), root, real_all(0.0));
-    for (int c = 0; c < 3; c++)
-        moved[c] = real_fma(turned[c], scale, more[c]);
-#endif
 }
 #endif
 
@@ -270,6 +259,66 @@ LANES_INLINE real NAME(ratio)(real to, real square)
 #else
     return to * lanes_rsqrt(square, f64_rsqrt_seed(square));
 #endif
+}
+
+/* The part along the tangent plane of a velocity g of the centres, of which `along` is along n, and of w; gt: that of
+ * the centres alone (3D). Open contacts: 0. */
+LANES_INLINE void NAME(tangent)(const struct NAME(touch) * touch, const real *g, real along, const real *w, real *gt,
+                                real *vt)
+{
+    const real *n = touch->n, arm = touch->arm;
+#if DIM == 2
+    /* tangent (-n1, n0) */
+    (void)along;
+    (void)gt;
+    vt[0] = real_where(touch->active, real_fma(g[1], n[0], real_fma(-g[0], n[1], -arm * w[0])));
+#else
+    for (int c = 0; c < 3; c++) { /* g + n x w - along n */
+        int d = (c + 1) % 3, e = (c + 2) % 3;
+        gt[c] = real_fma(-along, n[c], g[c]);
+        vt[c] = real_where(touch->active, real_fma(n[d], arm * w[e], real_fma(-n[e], arm * w[d], gt[c])));
+    }
+#endif
+}
+
+/* How contacts go along themselves in a step: the velocity at its end; the way [m], to half a step ahead of the end
+ * from half a step ahead of its start; and, of those that were open at its start, the square of where they start from.
+ */
+struct NAME(travel) {
+    real vt[SPRINGS], way[SPRINGS], gt[DIM], start2;
+};
+
+/* Contacts that were open a step ago, as far as their speed tells, have moved along themselves from the moment on at
+ * which they touched: delta/(-u) ago. What they kept from before is nothing. Few sets have such a contact. */
+LANES_INLINE real NAME(start)(const struct NAME(law) * law, real_mask old, real u, real delta,
+                              const struct NAME(memory) * memory, struct NAME(travel) * t)
+{
+    const real dt = real_all(law->dt), half = real_all((scalar)0.5 * law->dt);
+    const real since = delta * real_all(law->unit) / -u, ahead = since - half;
+    for (int c = 0; c < SPRINGS; c++) {
+        real_store(memory->spring[c], real_select(old, real_load(memory->spring[c]), real_all(0.0)));
+        if (SINGLE)
+            real_store(memory->rest[c], real_select(old, real_load(memory->rest[c]), real_all(0.0)));
+    }
+    t->start2 = real_select(old, real_all(0.0), ahead * ahead * NAME(dot)(t->vt, t->vt));
+    return real_select(old, dt, since + half);
+}
+
+LANES_INLINE void NAME(travel)(const struct NAME(law) * law, const struct NAME(meeting) * at,
+                               const struct NAME(touch) * touch, real u, real delta, const struct NAME(memory) * memory,
+                               struct NAME(travel) * t)
+{
+    const real half = real_all((scalar)0.5 * law->dt);
+    const real_mask old = real_at_least(delta, -u * real_all(law->dt_units));
+    real lag[SPRINGS], none[DIM], step = real_all(law->dt);
+    (void)none;
+    NAME(tangent)(touch, at->g, u, at->w, t->gt, t->vt);
+    NAME(tangent)(touch, at->lag, NAME(inner)(at->lag, touch->n), at->lag_w, none, lag);
+    t->start2 = real_all(0.0);
+    if (!REAL(mask_all)(old))
+        step = NAME(start)(law, old, u, delta, memory, t);
+    for (int c = 0; c < SPRINGS; c++)
+        t->way[c] = real_fma(step, t->vt[c], half * lag[c]);
 }
 
 /* What a contact keeps of its test force. */
@@ -318,10 +367,11 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
 #if FRICTIONAL
     real limit = real_larger(NAME(normal_friction_limit)(&law->normal, delta, touch.pressing), zero);
     touch.active = active;
+    touch.arm = at->arm;
 #if MINDLIN
     touch.pair = pair;
 #endif
-    NAME(test)(law, at, u, limit, memory, &touch, sums);
+    NAME(test)(law, at, u, delta, limit, memory, &touch, sums);
 #endif
     return touch;
 }

@@ -31,11 +31,14 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
     f->spring_j = 0.5 * law.inv_kt * springs.pull2;
 #endif
 #if DIM == 2
+    f->spring[0] = springs.pull[0];
     f->tangential[0] = touch.pull[0] * touch.n[1];
     f->tangential[1] = -touch.pull[0] * touch.n[0];
 #else
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
+        f->spring[c] = springs.pull[c];
         f->tangential[c] = -touch.pull[c];
+    }
 #endif
 #endif
     for (int c = 0; c < DIM; c++)

@@ -6,56 +6,45 @@
 /* Test force [D] of contacts that friction holds up to `limit`. pull = T + gamma_t v_t is the test force reversed; a
  * sliding contact keeps `factor` of it. Contacts that are open slide without resistance, so that they lose what their
  * springs hold. */
-LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(meeting) * at, real u, real limit,
-                             const struct NAME(memory) * memory, struct NAME(touch) * touch, struct NAME(sums) * sums)
+LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(meeting) * at, real u, real delta,
+                             real limit, const struct NAME(memory) * memory, struct NAME(touch) * touch,
+                             struct NAME(sums) * sums)
 {
-    const real zero = real_all(0.0), dt = real_all(law->dt), *n = touch->n, *g = at->g, *w = at->w;
-    real spring[SPRINGS], vt[SPRINGS];
+    const real zero = real_all(0.0), one = real_all(1.0);
     const struct NAME(pair) *pair = &touch->pair;
     const real gamma_t = pair->gamma_t * real_all(law->damped); /* 0 in a stage without friction */
-    const real way = pair->kt * dt, lever = gamma_t - pair->kt * real_all(law->half);
-    real start[SPRINGS], kept2 = zero;
+    const real lever = gamma_t - pair->kt * real_all(law->half);
+    struct NAME(travel) t;
+    real spring[SPRINGS], change[SPRINGS], kept2 = zero;
+    NAME(travel)(law, at, touch, u, delta, memory, &t);
     for (int c = 0; c < SPRINGS; c++) {
         spring[c] = real_load(memory->spring[c]);
         kept2 = real_fma(spring[c], spring[c], kept2);
-#if SINGLE
-        start[c] = real_fma(pair->fall - real_all(1.0), spring[c], real_load(memory->rest[c]));
-#else
-        spring[c] = pair->fall * spring[c];
-        start[c] = spring[c];
-#endif
+        change[c] = zero;
     }
     /* |T|^2/(2 k_t) of the step before, less what of it is left: both with the k_t of either side */
-    sums->stiffness = sums->stiffness + real_where(touch->active, kept2 * (real_all(1.0) - pair->ratio) * pair->held);
-    (void)start;
-#if DIM == 2
-    /* tangent (-n1, n0); the spring is a number along it, so a rotating pair carries it along by itself */
-    (void)u;
-    vt[0] = real_where(touch->active, real_fma(g[1], n[0], real_fma(-g[0], n[1], -w[0])));
-    touch->moved[0] = real_fma(way, vt[0], start[0]);
-#else
-    real more[3];
-    for (int c = 0; c < 3; c++) { /* g + n x w - u n */
-        int d = (c + 1) % 3, e = (c + 2) % 3;
-        vt[c] = real_fma(n[d], w[e], real_fma(-n[e], w[d], real_fma(-u, n[c], g[c])));
-        vt[c] = real_where(touch->active, vt[c]);
+    sums->stiffness = sums->stiffness + real_where(touch->active, kept2 * (one - pair->ratio) * pair->held);
+    sums->slip2 = real_fma(pair->kt, t.start2, sums->slip2);
+#if DIM == 3 /* in 2D the force is a number along the tangent, so a rotating pair carries it along by itself */
+    NAME(turn)(law, at, touch->n, t.gt, spring, change);
+#endif
+    for (int c = 0; c < SPRINGS; c++) {
+        real more = real_fma(pair->kt, t.way[c], pair->fall * change[c]);
 #if SINGLE
-        more[c] = real_fma(way, vt[c], start[c]);
+        touch->moved[c] = real_fma(pair->fall - one, spring[c], real_load(memory->rest[c]) + more);
 #else
-        more[c] = way * vt[c];
+        touch->moved[c] = real_fma(pair->fall, spring[c], more);
 #endif
     }
-    NAME(turn)(n, real_all(0.5) * dt * NAME(dot)(at->spin, n), spring, more, touch->moved);
-#endif
     for (int c = 0; c < SPRINGS; c++) {
         real middle = touch->moved[c];
 #if SINGLE
         middle = spring[c] + middle;
 #endif
-        touch->pull[c] = real_fma(lever, vt[c], middle);
-        sums->vt2 = real_fma(gamma_t * vt[c], vt[c], sums->vt2);
+        touch->pull[c] = real_fma(lever, t.vt[c], middle);
+        sums->vt2 = real_fma(gamma_t * t.vt[c], t.vt[c], sums->vt2);
     }
-    touch->power = NAME(dot)(touch->pull, vt);
+    touch->power = NAME(dot)(touch->pull, t.vt);
     touch->pull2 = NAME(dot)(touch->pull, touch->pull);
     real_mask slid = real_greater(real_load(memory->sliding), zero);
     real bound = limit * real_select(slid, real_all(law->mu_d), real_all(law->mu_s));
@@ -91,11 +80,11 @@ LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(tou
 #if DIM == 2
     result->force[0] = real_fma(touch->pressing, n[0], -pull[0] * n[1]);
     result->force[1] = real_fma(touch->pressing, n[1], pull[0] * n[0]);
-    result->moment[0] = -pull[0];
+    result->moment[0] = -touch->arm * pull[0];
 #else
     for (int c = 0; c < 3; c++) {
         result->force[c] = real_fma(touch->pressing, n[c], pull[c]);
-        result->moment[c] = NAME(cross)(pull, n, c);
+        result->moment[c] = touch->arm * NAME(cross)(pull, n, c);
     }
 #endif
 }

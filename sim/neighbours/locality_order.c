@@ -88,15 +88,16 @@ static void permute(void *array, size_t size, int count, const int32_t *order, v
     memcpy(array, scratch, size * (size_t)count);
 }
 
-/* Single: what steps go on with. */
+/* What steps go on with in the views; and single. */
 static void permute_steps(struct particles *p, const int32_t *order, void *scratch)
 {
+    const size_t real = p->single ? sizeof(float) : sizeof(double);
     for (int c = 0; c < 3; c++) {
+        permute(p->view_v[c], real, p->count, order, scratch);
+        permute(p->view_omega[c], real, p->count, order, scratch);
         permute(p->view_u[c], sizeof(int32_t), p->count, order, scratch);
         permute(p->u_rest[c], sizeof(float), p->count, order, scratch);
-        permute(p->view_v[c], sizeof(float), p->count, order, scratch);
         permute(p->v_rest[c], sizeof(float), p->count, order, scratch);
-        permute(p->view_omega[c], sizeof(float), p->count, order, scratch);
         permute(p->omega_rest[c], sizeof(float), p->count, order, scratch);
     }
 }
@@ -119,8 +120,7 @@ static enum status permute_particles(struct particles *p, const int32_t *order, 
     permute(p->mass, sizeof(double), p->count, order, scratch);
     permute(p->inv_mass, sizeof(double), p->count, order, scratch);
     permute(p->inv_inertia, sizeof(double), p->count, order, scratch);
-    if (p->single)
-        permute_steps(p, order, scratch);
+    permute_steps(p, order, scratch);
     free(scratch);
     for (int k = 0; k < p->count; k++)
         slot_before[k] = p->id[order[k]]; /* only lent: the new ids */

@@ -9,7 +9,17 @@
 enum owner { OF_PROGRESS, OF_SAMPLE, OF_PARTICLES, OF_WALL, OF_LIST };
 
 /* Where its values are: in the owner itself, or behind as many pointers as the model has components. */
-enum extent { IN_PLACE, ONE_ARRAY, PER_AXIS, PER_ROTATION, PER_AXIS_IF_SINGLE, PER_ROTATION_IF_SINGLE, IF_ROTATIONS };
+enum extent {
+    IN_PLACE,
+    ONE_ARRAY,
+    PER_AXIS,
+    PER_ROTATION,
+    PER_AXIS_IF_SINGLE,
+    PER_ROTATION_IF_SINGLE,
+    PER_AXIS_IF_TURNING, /* double, with rotations */
+    PER_ROTATION_IF_DOUBLE,
+    IF_ROTATIONS
+};
 
 struct entry {
     const char *name; /* of the dataset in the owner's group */
@@ -138,6 +148,8 @@ static const struct entry members[] = {
     STEPS(view_u, I32, PER_AXIS_IF_SINGLE),
     STEPS(view_v, F32, PER_AXIS_IF_SINGLE),
     STEPS(view_omega, F32, PER_ROTATION_IF_SINGLE),
+    {"predicted_v", OF_PARTICLES, F64, offsetof(struct particles, view_v), PER_AXIS_IF_TURNING, 0, true},
+    {"predicted_omega", OF_PARTICLES, F64, offsetof(struct particles, view_omega), PER_ROTATION_IF_DOUBLE, 0, true},
     STEPS(u_rest, F32, PER_AXIS_IF_SINGLE),
     STEPS(v_rest, F32, PER_AXIS_IF_SINGLE),
     STEPS(omega_rest, F32, PER_ROTATION_IF_SINGLE),
@@ -166,6 +178,8 @@ static int components(const struct entry *entry, const struct model *model)
                      [PER_ROTATION] = model->rotations,
                      [PER_AXIS_IF_SINGLE] = model->single ? model->axes : 0,
                      [PER_ROTATION_IF_SINGLE] = model->single ? model->rotations : 0,
+                     [PER_AXIS_IF_TURNING] = !model->single && model->rotations > 0 ? model->axes : 0,
+                     [PER_ROTATION_IF_DOUBLE] = !model->single ? model->rotations : 0,
                      [IF_ROTATIONS] = model->rotations > 0};
     return n[entry->extent];
 }
@@ -174,7 +188,7 @@ static void collect_entry(struct checkpoint_items *items, const struct entry *en
                           const struct model *model)
 {
     unsigned char *at = (unsigned char *)owner + entry->offset;
-    bool many = entry->extent >= PER_AXIS && entry->extent <= PER_ROTATION_IF_SINGLE;
+    bool many = entry->extent >= PER_AXIS && entry->extent < IF_ROTATIONS;
     for (int c = 0; c < components(entry, model) && items->n < CHECKPOINT_ITEMS_MAX; c++) {
         struct checkpoint_item *item = &items->item[items->n++];
         *item = (struct checkpoint_item){.type = entry->type, .count = entry->count, .data = at, .late = entry->late};

@@ -24,9 +24,10 @@ static size_t bytes_per_particle(const struct particles *p)
     size_t sums = (size_t)SUMS_BYTES(p->dimension, frictional, p->single);
     size_t record = RECORD_STRIDE(p->dimension, frictional, p->single) * sizeof(double);
     size_t columns = (size_t)(p->dimension + p->n_rotations) * real;
-    /* and a rest of each */
+    /* single: and a rest of each; with friction lags */
     size_t views = p->single ? (size_t)(4 * p->dimension + 2 * p->n_rotations + frictional) * sizeof(float) : 0;
-    return (reals + frictional) * sizeof(double) + record + sums + columns + views;
+    size_t lags = frictional ? columns : 0;
+    return (reals + frictional) * sizeof(double) + record + sums + columns + views + lags;
 }
 
 /* What the kernels read and write. */

@@ -20,10 +20,14 @@ static void NAME(contact_at)(const struct sample *sample, int l, int k, const st
         at.g[c] = p->v[c][i] - (!wall ? p->v[c][j] : wall->axis == c ? wall->v : 0);
     }
 #if FRICTIONAL
+    at.arm = g->distance / (g->distance + g->overlap);
+    for (int c = 0; c < DIM; c++)
+        at.lag[c] = 0; /* no time passes */
     for (int c = 0; c < SPRINGS; c++) {
+        at.lag_w[c] = 0;
         at.w[c] = p->radius[i] * p->omega[c][i] + (wall ? 0 : p->radius[j] * p->omega[c][j]);
 #if DIM == 3
-        at.spin[c] = 0; /* no time passes */
+        at.spin[c] = 0;
 #endif
     }
 #endif
@@ -38,6 +42,6 @@ static void NAME(contact_at)(const struct sample *sample, int l, int k, const st
 #endif
     pair[PAIR_ROOT_MASS] = sqrt(wall ? p->mass[i] : p->mass[i] * p->mass[j] / (p->mass[i] + p->mass[j]));
     pair[PAIR_RADIUS] = wall ? p->radius[i] : p->radius[i] * p->radius[j] / (p->radius[i] + p->radius[j]);
-    NAME(contact_look)(wall ? &sample->wall_law[wall->axis] : &sample->law, sample->dt, &at, pairs, history, f);
+    NAME(contact_look)(wall ? &sample->wall_law[wall->axis] : &sample->law, sample->kicked_s, &at, pairs, history, f);
 }
 #endif

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "sim/sample/contact_state.h"
 #include "sim/sample/coupling_audit.h"
 #include "sim/sample/energy.h"
 #include "sim/sample/step_completion.h"
@@ -52,22 +53,68 @@ static bool has_springs(const struct sample *sample)
     return all;
 }
 
+static struct contact_list *list_of(struct sample *sample, int l)
+{
+    return l == 0 ? &sample->pairs : &sample->walls[l - 1].contacts;
+}
+
+static enum status lists_ready(struct sample *sample)
+{
+    TRY(sample_close_lists(sample));
+    threads_cut(&sample->threads, &sample->particles, &sample->pairs);
+    return STATUS_OK;
+}
+
 /* In a stage whose friction has no springs, or that has no friction, contacts remember none. */
 static enum status forget_friction(struct sample *sample)
 {
     for (int l = 0; l <= sample->n_walls; l++) {
-        struct contact_list *list = l == 0 ? &sample->pairs : &sample->walls[l - 1].contacts;
+        struct contact_list *list = list_of(sample, l);
         contact_list_read(list);
         for (int c = HISTORY_SPRING; c < HISTORY_COLUMNS; c++)
             if (list->history[c] && list->count && c != HISTORY_CONTACT_RADIUS && !law_of_list(sample, l)->springs)
                 memset(list->history[c], 0, (size_t)list->count * sizeof(double));
     }
-    return sample_close_lists(sample);
+    return lists_ready(sample);
+}
+
+/* Springs (Mindlin: forces) of contact k of list l as they are now. */
+static void settle_spring(struct complete_sample whole, struct contact_list *list, int l, int k)
+{
+    const bool mindlin = list->model.traits & NORMAL_MINDLIN;
+    const int first = mindlin ? HISTORY_FORCE : HISTORY_SPRING,
+              rest = mindlin ? HISTORY_FORCE_REST : HISTORY_SPRING_REST;
+    struct contact_geometry g;
+    struct contact_forces f;
+    if (!contact_state_at(whole, l, k, &g, &f))
+        return;
+    for (int c = 0; c < contact_model_springs(&list->model); c++) {
+        const double now = f.spring[c] * (mindlin ? 1 : law_of_list(whole.sample, l)->inv_kt);
+        list->history[first + c][k] = list->model.single ? (float)now : now;
+        if (list->model.single)
+            list->history[rest + c][k] = (float)(now - (float)now);
+    }
+}
+
+enum status stage_settle_springs(struct sample *sample)
+{
+    const struct complete_sample whole = sample_complete(sample);
+    if (sample->pairs.model.frictional && sample->kicked_s > 0) {
+        for (int l = 0; l <= sample->n_walls; l++) {
+            struct contact_list *list = list_of(sample, l);
+            contact_list_read(list);
+            for (int k = 0; k < list->count && law_of_list(sample, l)->springs; k++)
+                settle_spring(whole, list, l, k);
+        }
+        TRY(lists_ready(sample));
+    }
+    sample->kicked_s = 0;
+    return STATUS_OK;
 }
 
 static enum status stage_start(struct sample *sample, int stage)
 {
-    (void)sample_complete(sample);
+    TRY(stage_settle_springs(sample));
     const bool first = sample->stage < 0; /* no law so far */
     const struct scene_stage *next = &sample->scene->stage[stage];
     sample->stage = stage;
