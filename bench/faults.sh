@@ -268,7 +268,11 @@ trial_kills_at_calls() {
     await_driver
     for ((k = 0; code != 0 && code != 124 && k < kills_per_run; k++)); do
         flock -w "$settle_after_s" run/log true
-        start_driver --resume run "${more_restarts[@]}"
+        if [ -e run/run-id ]; then
+            start_driver --resume run "${more_restarts[@]}"
+        else # killed before anything had begun
+            start_driver "$scene" "${settings[@]}" "${more_restarts[@]}" --out run
+        fi
         await_driver
     done
     unset FAULTS_AT FAULTS_ONCE LD_PRELOAD

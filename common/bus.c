@@ -123,8 +123,13 @@ static enum status open_url(struct bus *bus, const char *url, bool direct)
             bus_close(bus);
         return status;
     }
-    if (direct && direct_open(&bus->direct, full) != STATUS_OK)
+    const char *key = getenv("SHAKEDOWN_KEY");
+    if (key && *key && starts_with(full, UDPM_SCHEME))
+        TRY(seal_create(&bus->seal, key));
+    if (direct && direct_open(&bus->direct, full) != STATUS_OK) {
+        bus_close(bus);
         return open_failure(full);
+    }
     bus->lcm = bus->direct ? lcm_create(full) : lcm_create_quiet(full, &receives);
     if (receives || (bus->direct && bus->lcm))
         return STATUS_OK;
@@ -142,6 +147,28 @@ enum status bus_open_direct(struct bus *bus, const char *url)
     return open_url(bus, url, true);
 }
 
+/* A subscription of a sealed bus. */
+struct listener {
+    struct listener *next;
+    struct seal *seal;
+    lcm_msg_handler_t handler;
+    void *user;
+    void *subscription;
+};
+
+static void seal_close(struct bus *bus)
+{
+    if (bus->seal && bus->seal->refused > 0)
+        fprintf(stderr, "shakedown: warning: %lld messages without the seal of this run were ignored\n",
+                (long long)bus->seal->refused);
+    while (bus->listeners) {
+        struct listener *first = bus->listeners;
+        bus->listeners = first->next;
+        free(first);
+    }
+    free(bus->seal);
+}
+
 void bus_close(struct bus *bus)
 {
     direct_close(bus->direct);
@@ -152,6 +179,7 @@ void bus_close(struct bus *bus)
     if (bus->replay)
         event_reader_close(bus->replay);
     free(bus->replay);
+    seal_close(bus);
     memset(bus, 0, sizeof *bus);
 }
 
@@ -193,8 +221,17 @@ static enum status channel_escape(const char *channel, char escaped[2 * CHANNEL_
     return STATUS_OK;
 }
 
-enum status bus_subscribe_for_a_while(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user,
-                                      void **handle)
+static void on_sealed(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    const struct listener *listener = user;
+    lcm_recv_buf_t opened = *buffer;
+    if (!seal_check(listener->seal, channel, buffer->data, buffer->data_size))
+        return;
+    opened.data_size -= SEAL_SIZE;
+    listener->handler(&opened, channel, listener->user);
+}
+
+static enum status subscribe(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user, void **handle)
 {
     char pattern[2 * CHANNEL_NAME_MAX + 1];
     *handle = NULL;
@@ -212,14 +249,32 @@ enum status bus_subscribe_for_a_while(struct bus *bus, const char *channel, lcm_
     return STATUS_OK;
 }
 
+enum status bus_subscribe_for_a_while(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user,
+                                      void **handle)
+{
+    *handle = NULL;
+    if (!bus->seal)
+        return subscribe(bus, channel, handler, user, handle);
+    struct listener *listener = calloc(1, sizeof *listener);
+    if (!listener)
+        return status_fail(STATUS_NO_MEMORY, "no memory for a subscription");
+    *listener = (struct listener){.next = bus->listeners, .seal = bus->seal, .handler = handler, .user = user};
+    bus->listeners = listener;
+    TRY(subscribe(bus, channel, on_sealed, listener, &listener->subscription));
+    *handle = listener;
+    return STATUS_OK;
+}
+
 enum status bus_subscribe(struct bus *bus, const char *channel, lcm_msg_handler_t handler, void *user)
 {
     void *subscription = NULL;
     return bus_subscribe_for_a_while(bus, channel, handler, user, &subscription);
 }
 
-void bus_unsubscribe(struct bus *bus, void *subscription)
+void bus_unsubscribe(struct bus *bus, void *handle)
 {
+    const struct listener *listener = handle; /* freed with the bus */
+    void *subscription = bus->seal && listener ? listener->subscription : handle;
     if (bus->direct)
         direct_unsubscribe(bus->direct, subscription);
     else if (subscription && lcm_unsubscribe(bus->lcm, subscription) != 0)
@@ -240,6 +295,12 @@ enum status bus_publish(struct bus *bus, const char *channel, const void *data, 
                            BUS_MESSAGE_MAX);
     if (bus->log)
         return log_write(bus, channel, data, size);
+    unsigned char sealed[BUS_MESSAGE_MAX + SEAL_SIZE];
+    if (bus->seal) {
+        TRY(seal_add(bus->seal, channel, data, size, sealed));
+        data = sealed;
+        size += SEAL_SIZE;
+    }
     if (lcm_publish(bus->lcm, channel, data, (unsigned)size) != 0)
         return status_fail(STATUS_BUS, "cannot publish %zu bytes on %s: %s", size, channel, strerror(errno));
     return STATUS_OK;

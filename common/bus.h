@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "common/event_log.h"
+#include "common/seal.h"
 #include "common/status.h"
 
 /* Recorded channels, in the order of record_ack_t.next_seq. */
@@ -38,11 +39,15 @@ extern const char *const record_channel_name[RECORD_CHANNELS];
 
 enum { BUS_MESSAGE_MAX = 60000 };
 
+struct listener;
+
 struct bus {
     struct direct *direct; /* receives instead of LCM; NULL: LCM does */
     lcm_t *lcm;            /* NULL: not open. Publish through bus_publish: a log that is written does not hear of it */
     bool is_log;           /* file:// URL: nobody answers */
     struct event_writer *log;    /* a log that is written */
+    struct seal *seal;           /* messages without it are not ours; NULL: all are taken */
+    struct listener *listeners;  /* of a sealed bus */
     struct event_reader *replay; /* a log that is read: its messages come through an LCM of this process alone */
 };
 

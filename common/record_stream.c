@@ -7,6 +7,7 @@
 #include "common/coupling.h"
 #include "common/message.h"
 #include "common/record_hash.h"
+#include "common/round_trip.h"
 #include "common/signals.h"
 
 /* At most this much unacknowledged on the wire: below the default receive buffer of a socket. */
@@ -68,7 +69,7 @@ struct record_stream {
     double progress_at_s; /* the same of something new */
     double round_at_s;    /* last progress, or the last time that late ones went out again */
     int repeats_without_progress;
-    double round_trip_s, deviation_s; /* 0: not measured yet */
+    struct round_trip round_trip;
 };
 
 static void progress_note(struct record_stream *stream)
@@ -96,24 +97,10 @@ static double within(double low, double value, double high)
 
 static double resend_after_s(const struct record_stream *stream)
 {
-    double wait_s = RESEND_MAX_S;
-    if (stream->round_trip_s > 0)
-        wait_s = within(RESEND_MIN_S, stream->round_trip_s + 4 * stream->deviation_s, RESEND_MAX_S);
+    double wait_s = round_trip_late_s(&stream->round_trip, RESEND_MIN_S, RESEND_MAX_S);
     for (int k = 0; k < stream->repeats_without_progress && wait_s < RESEND_BACKOFF_MAX_S; k++)
         wait_s *= 2;
     return within(0, wait_s, RESEND_BACKOFF_MAX_S);
-}
-
-static void round_trip_note(struct record_stream *stream, double sample_s)
-{
-    double error_s = sample_s - stream->round_trip_s;
-    if (stream->round_trip_s <= 0) {
-        stream->round_trip_s = sample_s;
-        stream->deviation_s = 0.5 * sample_s;
-        return;
-    }
-    stream->deviation_s += 0.25 * ((error_s < 0 ? -error_s : error_s) - stream->deviation_s);
-    stream->round_trip_s += 0.125 * error_s;
 }
 
 /* END is kept until the recorder confirms the whole run, so that a lost last acknowledgement is asked for again. */
@@ -172,7 +159,7 @@ static void acknowledged_release(struct record_stream *stream, struct news *news
 
 static double reorder_s(const struct record_stream *stream)
 {
-    return within(REORDER_MIN_S, 0.25 * stream->round_trip_s, REORDER_MAX_S);
+    return within(REORDER_MIN_S, 0.25 * stream->round_trip.mean_s, REORDER_MAX_S);
 }
 
 /* What was sent well before another one that has arrived. */
@@ -236,7 +223,7 @@ static void ack_take(struct record_stream *stream, const shakedown_record_ack_t 
     if (progress || news.latest_sent_s > 0)
         progress_note(stream);
     if (news.round_trip_s > 0)
-        round_trip_note(stream, news.round_trip_s);
+        round_trip_note(&stream->round_trip, news.round_trip_s);
     lost_note(stream, news.latest_sent_s);
 }
 

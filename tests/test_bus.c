@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -113,6 +114,91 @@ static void two_buses_talk(void **unused)
     assert_true(handled && count == 1);
     bus_close(&one);
     bus_close(&two);
+}
+
+/* ---- sealed ---- */
+
+static void key_write(const char *path, const char *digits, mode_t mode)
+{
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_true(fprintf(file, "%s\n", digits) > 0);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(chmod(path, mode), 0);
+}
+
+/* Whatever comes within a tenth of a second. */
+static int hears(struct bus *bus, const int *count)
+{
+    bool handled;
+    const double until = clock_now_s() + 0.1;
+    while (clock_now_s() < until)
+        must(bus_handle(bus, 20, &handled));
+    return *count;
+}
+
+/* Two who share a key hear each other, through LCM's receiver and without. Who has none or another is not heard, nor a
+ * copy on another channel; and LCM's decoders read a sealed message. */
+static void a_sealed_bus_hears_its_own(void **unused)
+{
+    char path[] = "/tmp/test-key-XXXXXX";
+    struct bus ours, receiver[2], stranger, other;
+    int count[2] = {0, 0};
+    unsigned char state[WALL_MESSAGE_MAX + SEAL_SIZE], end[WALL_MESSAGE_MAX + SEAL_SIZE];
+    const struct wall_state empty = {.n_walls = 4};
+    shakedown_wall_state_t decoded;
+    (void)unused;
+    close(mkstemp(path));
+    must(bus_open(&stranger, NULL));
+    key_write(path, "00112233445566778899aabbccddeeff", 0600);
+    assert_int_equal(setenv("SHAKEDOWN_KEY", path, 1), 0);
+    must(bus_open(&ours, NULL));
+    must(bus_open(&receiver[0], NULL));
+    must(bus_open_direct(&receiver[1], NULL));
+    key_write(path, "ff112233445566778899aabbccddeeff", 0600);
+    must(bus_open(&other, NULL));
+    for (int k = 0; k < 2; k++)
+        must(bus_subscribe(&receiver[k], "A", count_message, &count[k]));
+    const size_t size = wall_state_encode(&empty, 1, 0, state);
+    must(bus_publish(&stranger, "A", state, size));
+    must(bus_publish(&other, "A", state, size));
+    must(seal_add(ours.seal, "B", state, size, end));
+    must(bus_publish(&stranger, "A", end, size + SEAL_SIZE));
+    must(bus_publish(&stranger, "A", "short", 5));
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(hears(&receiver[k], &count[k]), 0);
+        assert_int_equal(receiver[k].seal->refused, 4);
+    }
+    must(bus_publish(&ours, "A", state, size));
+    for (int k = 0; k < 2; k++)
+        assert_int_equal(hears(&receiver[k], &count[k]), 1);
+    assert_true(shakedown_wall_state_t_decode(end, 0, (int)(size + SEAL_SIZE), &decoded) >= 0);
+    assert_int_equal(decoded.n_walls, 4);
+    shakedown_wall_state_t_decode_cleanup(&decoded);
+    for (int k = 0; k < 2; k++)
+        bus_close(&receiver[k]);
+    bus_close(&ours);
+    bus_close(&other);
+    bus_close(&stranger);
+    assert_int_equal(unsetenv("SHAKEDOWN_KEY"), 0);
+    unlink(path);
+}
+
+/* Keys that others may read, that are none, that are not there. */
+static void a_bad_key_is_refused(void **unused)
+{
+    char path[] = "/tmp/test-key-XXXXXX";
+    struct seal *seal;
+    (void)unused;
+    close(mkstemp(path));
+    key_write(path, "00112233445566778899aabbccddeeff", 0640);
+    assert_int_equal(seal_create(&seal, path), STATUS_IO);
+    key_write(path, "00112233445566778899aabbccddee", 0600);
+    assert_int_equal(seal_create(&seal, path), STATUS_FORMAT);
+    key_write(path, "0011223344556677x899aabbccddeeff", 0600);
+    assert_int_equal(seal_create(&seal, path), STATUS_FORMAT);
+    unlink(path);
+    assert_int_equal(seal_create(&seal, path), STATUS_IO);
 }
 
 /* A namespace without any route, in a child so that this one keeps its own. */
@@ -817,6 +903,8 @@ int main(void)
         cmocka_unit_test(a_burst_fits_the_queue),
         cmocka_unit_test(channels_are_names_not_patterns),
         cmocka_unit_test(two_buses_talk),
+        cmocka_unit_test(a_sealed_bus_hears_its_own),
+        cmocka_unit_test(a_bad_key_is_refused),
         cmocka_unit_test(direct_hears_what_lcm_says),
         cmocka_unit_test(direct_drops_nonsense),
         cmocka_unit_test(a_missing_route_is_named),

@@ -328,6 +328,8 @@ case_fake_private() {
     shakedown run good.cfg --out default
     expect_code 0 $?
     ! grep -qF "$here" default/log/sim.log || fail "not private by default"
+    [ -f open/key ] || fail "no key where others hear the run"
+    expect_no_file default/key
     shakedown run good.cfg --out private --private
     expect_code 0 $?
     ! grep -qF "$here" private/log/sim.log || fail "not private"
@@ -388,6 +390,8 @@ case_two_runs() {
     wait "$driver"
     expect_code 0 $?
     [ "$(<a/lcm-url)" != "$(<b/lcm-url)" ] || fail "both on $(<a/lcm-url)"
+    [ "$(stat -c '%a %s' a/key)" = '600 33' ] || fail "no key of its own"
+    ! cmp -s a/key b/key || fail "the same key"
     expect_attribute a/run.h5 complete 1
     expect_attribute b/run.h5 complete 1
 }

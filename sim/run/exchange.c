@@ -1,6 +1,7 @@
 #include "sim/run/exchange.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 
 #include "common/message.h"
@@ -8,8 +9,9 @@
 #include "sim/run/command_check.h"
 #include "wallctl/law.h"
 
-/* After this long without an answer the state is sent again. */
-static const double RESEND_S = 0.02;
+/* Without an answer the state is sent again when it is later than answers were so far, within these; each time in vain
+ * the wait doubles. */
+static const double RESEND_MIN_S = 0.002, RESEND_FIRST_S = 0.02, RESEND_MAX_S = 0.1, RESEND_BACKOFF_MAX_S = 0.2;
 /* Longest wait for an answer when the run is to end. */
 static const double STOP_PATIENCE_S = 0.5;
 
@@ -121,13 +123,29 @@ static enum status no_answer(const struct exchange *exchange)
         timeout_s, (long long)exchange->ignored, exchange->why);
 }
 
+static double resend_after_s(const struct exchange *exchange, int repeats)
+{
+    double wait_s =
+        exchange->trip.mean_s > 0 ? round_trip_late_s(&exchange->trip, RESEND_MIN_S, RESEND_MAX_S) : RESEND_FIRST_S;
+    for (; repeats > 0 && wait_s < RESEND_BACKOFF_MAX_S; repeats--)
+        wait_s *= 2;
+    return fmin(wait_s, RESEND_BACKOFF_MAX_S);
+}
+
+static int wait_ms(double until_s)
+{
+    return (int)fmax(1, ceil(1e3 * (until_s - clock_now_s())));
+}
+
 static enum status wait_for_answer(struct exchange *exchange)
 {
     const struct wall_state *state = &exchange->asked;
     double start = clock_now_s(), sent = start;
+    int repeats = 0;
     while (!exchange->answered) {
         bool handled;
-        TRY(bus_wait(exchange->bus, (int)(1000 * RESEND_S), exchange->scene->coupling.busy_poll, &handled));
+        const double again = sent + resend_after_s(exchange, repeats);
+        TRY(bus_wait(exchange->bus, wait_ms(again), exchange->scene->coupling.busy_poll, &handled));
         if (exchange->answered)
             break;
         if (stop_requested() && clock_now_s() - start > STOP_PATIENCE_S)
@@ -136,11 +154,14 @@ static enum status wait_for_answer(struct exchange *exchange)
         double now = clock_now_s();
         if (now - start > exchange->scene->coupling.timeout_s)
             return no_answer(exchange);
-        if (now - sent >= RESEND_S) {
+        if (now >= again) {
             TRY(state_repeat(exchange));
             sent = now;
+            repeats++;
         }
     }
+    if (repeats == 0)
+        round_trip_note(&exchange->trip, clock_now_s() - exchange->asked_at_s);
     exchange_close(exchange);
     return STATUS_OK;
 }
@@ -148,9 +169,9 @@ static enum status wait_for_answer(struct exchange *exchange)
 enum status exchange_settle(struct exchange *exchange)
 {
     const double start = clock_now_s();
-    while (exchange->open && !exchange->answered && clock_now_s() - start < STOP_PATIENCE_S) {
+    for (int repeats = 0; exchange->open && !exchange->answered && clock_now_s() - start < STOP_PATIENCE_S; repeats++) {
         bool handled;
-        TRY(bus_handle(exchange->bus, (int)(1000 * RESEND_S), &handled));
+        TRY(bus_handle(exchange->bus, wait_ms(clock_now_s() + resend_after_s(exchange, repeats)), &handled));
         if (!handled)
             TRY(state_repeat(exchange));
     }
@@ -167,6 +188,7 @@ int64_t exchange_states(const struct exchange *exchange)
 enum status exchange_ask(struct exchange *exchange, const struct wall_state *state)
 {
     exchange->asked = *state;
+    exchange->asked_at_s = clock_now_s();
     exchange->answered = false;
     exchange->ignored = 0;
     if (exchange->record_walls)

@@ -5,6 +5,7 @@
 #include "common/bus.h"
 #include "common/coupling.h"
 #include "common/record_stream.h"
+#include "common/round_trip.h"
 #include "sim/run/replay.h"
 
 struct exchange {
@@ -12,17 +13,19 @@ struct exchange {
     struct bus *bus;
     struct record_stream *stream; /* served while waiting */
     int64_t run_id;
-    bool in_process;       /* the law is called here */
-    struct replay *replay; /* answers come from a log; NULL: not */
-    bool record_walls;     /* states and commands are recorded: in_process they are published for that alone */
-    int64_t seq;           /* of the next state */
-    int64_t repeated;      /* states sent again */
-    bool open;             /* a state went to the controller, its answer was not taken yet */
+    bool in_process;        /* the law is called here */
+    struct replay *replay;  /* answers come from a log; NULL: not */
+    bool record_walls;      /* states and commands are recorded: in_process they are published for that alone */
+    int64_t seq;            /* of the next state */
+    int64_t repeated;       /* states sent again */
+    struct round_trip trip; /* of a state and its answer */
+    bool open;              /* a state went to the controller, its answer was not taken yet */
     bool answered;
     int64_t ignored; /* answers to the state asked last that do not fit it */
     char why[96];    /* the last of them */
     struct wall_command answer;
     struct wall_state asked;
+    double asked_at_s;
 };
 
 /* Fills `exchange`; over LCM (neither in_process nor `replay`) subscribes WALL_COMMAND. */
