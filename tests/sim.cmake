@@ -73,3 +73,7 @@ add_executable(test_prepare ${CMAKE_CURRENT_LIST_DIR}/test_prepare.c)
 target_link_libraries(test_prepare PRIVATE sim_fixture)
 add_test(NAME prepare COMMAND test_prepare)
 set_tests_properties(prepare PROPERTIES LABELS physics TIMEOUT 120)
+
+# What explain computes.
+add_test(NAME explain COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_explain.sh $<TARGET_FILE:sim> ${PROJECT_SOURCE_DIR}/scenes)
+set_tests_properties(explain PROPERTIES LABELS unit TIMEOUT 60)

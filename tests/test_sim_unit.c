@@ -321,6 +321,7 @@ static bool same_scene(const struct scene *a, const struct scene *b)
     memcpy(y, b, sizeof *y);
     x->text = y->text = NULL;
     x->stage = y->stage = NULL;
+    x->prepared = y->prepared = NULL; /* its stages are there */
     bool same = memcmp(x, y, sizeof *x) == 0;
     same = same && memcmp(a->stage, b->stage, (size_t)a->n_stages * sizeof *a->stage) == 0;
     free(x);

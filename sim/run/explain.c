@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "sim/look/step_limit.h"
+#include "sim/run/explain_scales.h"
 #include "sim/run/sample_source.h"
 
 static double mean_radius_m(const struct particles *p)
@@ -116,6 +117,9 @@ enum status explain_scene(FILE *out, const struct scene *scene)
     fprintf(out, " m, skin of the lists %g m%s\n", sample->verlet.skin,
             sample->verlet.skin_fixed > 0 ? "" : " to begin with (tuned while running)");
     explain_time_step(out, sample);
+    enum status status = explain_scales(out, sample);
+    if (status == STATUS_OK && scene->prepared)
+        fprintf(out, "prepare stands for these stages:\n%s", scene->prepared);
     sample_free(sample);
-    return STATUS_OK;
+    return status;
 }
