@@ -68,10 +68,10 @@ expect_same_run() { # DIR DIR
 start_until() { # NAME:CALL:N ARGUMENTS...
     local point=$1
     shift
+    rm -f struck.0 # once: the launcher may start another sim
     FAULTS_AT=$point:STOP FAULTS_ONCE=$work/struck LD_PRELOAD=$SHAKEDOWN_BIN/bench/fault_shim.so \
         ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 start_driver "$@"
     wait_for sim_is_stopped
-    rm struck.0
 }
 
 sim_is_stopped() {
