@@ -33,6 +33,19 @@ bool scene_is_frictional(const struct scene *scene)
     return any;
 }
 
+bool scene_resists_rolling(const struct scene *scene)
+{
+    bool any = false;
+    for (int k = 0; k < scene->n_stages; k++)
+        for (int axis = 0; axis < SCENE_AXES; axis++) {
+            const struct scene_material *m = &scene->stage[k].material;
+            struct scene_material of_walls;
+            (void)scene_wall_material(&scene->stage[k], (enum axis)axis, &of_walls);
+            any = any || m->mu_rolling > 0 || m->mu_torsion > 0 || of_walls.mu_rolling > 0 || of_walls.mu_torsion > 0;
+        }
+    return any;
+}
+
 bool scene_is_hysteretic(const struct scene *scene)
 {
     bool any = false;

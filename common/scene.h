@@ -46,6 +46,10 @@ struct scene_material {
     double wall_friction;    /* mu_s and mu_d of walls over those between particles; 0: smooth walls */
     double kt_n_per_m;
     double gamma_t_kg_per_s;
+    double mu_rolling; /* rolling and torsion resistance (Luding 2008); both 0 in all stages: none */
+    double kr_n_per_m, gamma_r_kg_per_s;
+    double mu_torsion;
+    double ko_n_per_m, gamma_o_kg_per_s;
     double gamma_b_kg_per_s;  /* background damping of translation */
     double gamma_br_kg_per_s; /* of rotation: torque -gamma_br a^2 omega */
 };
@@ -244,6 +248,7 @@ bool scene_wall_material(const struct scene_stage *stage, enum axis axis, struct
 
 /* What the scene needs modelled, over all stages. */
 bool scene_is_frictional(const struct scene *scene);
+bool scene_resists_rolling(const struct scene *scene); /* or torsion */
 bool scene_is_hysteretic(const struct scene *scene);
 
 /* Name of an enum contact_law. */

@@ -58,8 +58,12 @@ static double linear_step_s(const struct scene_sample *sample, const struct scen
     const double per_mass = (1 + fmin(1, lo / mean_m)) * (1 / smallest_kg + 1 / mean_kg);
     double step = fmin(PI * sqrt(mean_kg / (2 * k)) / MEAN_STEPS, PI * sqrt(smallest_kg / (2 * k)) / SMALLEST_STEPS);
     step = fmin(step, stable_s(k, m->gamma_n_kg_per_s, per_mass) / STABLE_STEPS);
+    const double resists = (m->mu_rolling > 0 ? m->kr_n_per_m : 0) + (m->mu_torsion > 0 ? m->ko_n_per_m : 0),
+                 slows = (m->mu_rolling > 0 ? m->gamma_r_kg_per_s : 0) +
+                         (m->mu_torsion > 0 ? m->gamma_o_kg_per_s : 0); /* a^2/I = 2.5/m = (3.5/1.4)/m */
     if (m->mu_s > 0) /* a sphere's surface moves as 2/7 of its mass */
-        step = fmin(step, stable_s(m->kt_n_per_m, m->gamma_t_kg_per_s, 3.5 * per_mass) / STABLE_STEPS);
+        step = fmin(step, stable_s(m->kt_n_per_m + resists / 1.4, m->gamma_t_kg_per_s + slows / 1.4, 3.5 * per_mass) /
+                              STABLE_STEPS);
     return step;
 }
 

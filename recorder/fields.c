@@ -44,6 +44,8 @@ const struct field sample_fields[] = {
     SAMPLE(dissipated_viscous_tangential_j, F64, ONE, "J"),
     SAMPLE(dissipated_friction_j, F64, ONE, "J"),
     SAMPLE(dissipated_stiffness_j, F64, ONE, "J"),
+    SAMPLE(dissipated_rolling_j, F64, ONE, "J"),
+    SAMPLE(dissipated_viscous_rolling_j, F64, ONE, "J"),
     SAMPLE(dissipated_background_j, F64, ONE, "J"),
     SAMPLE(energy_residual_j, F64, ONE, "J"),
     SAMPLE(interface_residual_j, F64, ONE, "J"),

@@ -40,7 +40,7 @@ add_test(NAME includes COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_includes.sh ${PROJ
 set_tests_properties(includes PROPERTIES LABELS unit TIMEOUT 60)
 
 # Contact laws beyond the two papers, and walls of a material of their own, against closed forms.
-foreach(law hertz elastoplastic wall_material)
+foreach(law hertz elastoplastic wall_material rolling)
   add_executable(test_${law} ${CMAKE_CURRENT_LIST_DIR}/test_${law}.c)
   target_link_libraries(test_${law} PRIVATE sim_fixture)
   add_test(NAME ${law} COMMAND test_${law})

@@ -31,12 +31,14 @@ struct model {
     double mu;
 };
 
-#define LINEAR     "law = \"linear\"; kn_n_per_m = 1e5;"
+#define LINEAR "law = \"linear\"; kn_n_per_m = 1e5;"
+#define ROLLING                                                                                                        \
+    LINEAR " mu_rolling = 0.1; kr_n_per_m = 2e4; gamma_r_kg_per_s = 0.01; mu_torsion = 0.05; ko_n_per_m = 1e4;"
 #define HYSTERETIC "law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; kc_n_per_m = 5e4;"
 
 static const struct model models[] = {
-    {2, LINEAR, 0.0}, {2, LINEAR, 0.4}, {2, HYSTERETIC, 0.0}, {2, HYSTERETIC, 0.4},
-    {3, LINEAR, 0.0}, {3, LINEAR, 0.4}, {3, HYSTERETIC, 0.0}, {3, HYSTERETIC, 0.4},
+    {2, LINEAR, 0.0}, {2, LINEAR, 0.4},     {2, HYSTERETIC, 0.0}, {2, HYSTERETIC, 0.4}, {3, LINEAR, 0.0},
+    {3, LINEAR, 0.4}, {3, HYSTERETIC, 0.0}, {3, HYSTERETIC, 0.4}, {2, ROLLING, 0.4},    {3, ROLLING, 0.4},
 };
 enum { N_MODELS = sizeof models / sizeof *models, PARTICLES = 64, STAGE_STEPS = 600 };
 

@@ -17,7 +17,7 @@
 enum { WIDEST = SET_WIDTH, CONTACTS_MAX = 2 * WIDEST + 1, REPEATS = 3 };
 
 struct model {
-    int dimension, law, frictional, single; /* law: enum contact_law */
+    int dimension, law, frictional, single; /* law: enum contact_law; frictional 2: rolling and torsion, too */
 };
 
 /* All that kernels read and write. */
@@ -56,7 +56,9 @@ static double choose(struct random *random, const double *list, int n)
 
 static struct contact_model contact_model(struct model model)
 {
-    return contact_model_make(model.dimension, model.law, model.frictional, model.single);
+    struct contact_model contacts = contact_model_make(model.dimension, model.law, model.frictional > 0, model.single);
+    contacts.rolling = model.frictional == 2;
+    return contacts;
 }
 
 /* kc = 0, k1 = k2, mu = 0 and above 1, kt = 0 (a stage without friction in a scene with it), dt = 0 (forces anew). */
@@ -80,6 +82,14 @@ static struct contact_law_constants random_law(struct random *random, struct mod
         .kt_n_per_m = CHOOSE(random, 0, 2e4, 2e4),
         .gamma_t_kg_per_s = CHOOSE(random, 0, 0.05),
     };
+    if (model.frictional == 2) {
+        m.mu_rolling = CHOOSE(random, 0, 0.1, 0.1, 1);
+        m.kr_n_per_m = 1e4;
+        m.gamma_r_kg_per_s = CHOOSE(random, 0, 0.02);
+        m.mu_torsion = CHOOSE(random, 0, 0.05, 1);
+        m.ko_n_per_m = 2e4;
+        m.gamma_o_kg_per_s = CHOOSE(random, 0, 0.02);
+    }
     return contact_law_constants_of(&m, contact_model(model).normal);
 }
 
@@ -132,6 +142,10 @@ static void random_state(struct contact_list *list, int k, const struct contact_
             list->history[HISTORY_FORCE + c][k] = 1e4 * between(random, -size, size);
         else
             list->history[HISTORY_SPRING + c][k] = between(random, -size, size);
+    for (int c = 0; list->model.rolling && c < contact_model_springs(&list->model); c++)
+        list->history[HISTORY_ROLLING + c][k] = between(random, -size, size);
+    if (history_has(&list->model, HISTORY_TORSION))
+        list->history[HISTORY_TORSION][k] = between(random, -size, size);
     if (history_has(&list->model, HISTORY_CONTACT_RADIUS))
         list->history[HISTORY_CONTACT_RADIUS][k] = sqrt(0.5e-3 * fabs(overlap)) * CHOOSE(random, 0, 0.5, 1, 1, 2);
 }
@@ -346,41 +360,62 @@ static void particles_compare(const struct particles *a, const struct particles 
     }
 }
 
-/* Sum of the sizes of the terms of each loss: contact by contact, with the reference. */
+/* What contact k of the pairs alone loses by a law, with the reference. */
+static struct contact_losses losses_alone(struct bench *b, int k, struct model model, const struct kernels *kernels,
+                                          const struct contact_law_constants *law)
+{
+    struct contact_losses lost = {0};
+    struct contact_list one = {0};
+    list_init(&one, 1, model);
+    one.i[0] = b->pairs.i[k];
+    one.j[0] = b->pairs.j[k];
+    one.reach[0] = b->pairs.reach[k];
+    contact_list_carry(&one, 0, &b->pairs, k);
+    must(contact_list_close(&one, &b->p, NULL));
+    kernels->pair(&b->p, &one, 0, one.slots.n_spans, law, b->dt, b->p.force, &lost);
+    contact_list_free(&one);
+    return lost;
+}
+
+/* Sum of the sizes of the terms of each loss: contact by contact; rolling and torsion, which go into one sum and may
+ * have different signs there, each by itself, and what their dashpots would take without sliding, which takes some of
+ * that back: gamma (v^2 dt - q pull.v). */
 static struct contact_losses loss_sizes(struct bench *b, struct model model, const struct kernels *kernels)
 {
     struct contact_losses sizes = {0};
+    struct contact_law_constants rolling = b->law, torsion = b->law, stuck = b->law;
+    rolling.torsion = torsion.rolling = (struct contact_resistance){0};
+    stuck.rolling.mu = stuck.torsion.mu = 1e10;
     for (int k = 0; k < b->pairs.count; k++) {
-        struct contact_losses lost = {0};
-        struct contact_list one = {0};
-        list_init(&one, 1, model);
-        one.i[0] = b->pairs.i[k];
-        one.j[0] = b->pairs.j[k];
-        one.reach[0] = b->pairs.reach[k];
-        contact_list_carry(&one, 0, &b->pairs, k);
-        must(contact_list_close(&one, &b->p, NULL));
-        kernels->pair(&b->p, &one, 0, one.slots.n_spans, &b->law, b->dt, b->p.force, &lost);
+        const struct contact_losses lost = losses_alone(b, k, model, kernels, &rolling),
+                                    twist = losses_alone(b, k, model, kernels, &torsion),
+                                    taken = losses_alone(b, k, model, kernels, &stuck);
         sizes.hysteresis += fabs(lost.hysteresis);
         sizes.viscous_normal += fabs(lost.viscous_normal);
         sizes.viscous_tangential += fabs(lost.viscous_tangential);
         sizes.friction += fabs(lost.friction);
         sizes.stiffness += fabs(lost.stiffness);
-        contact_list_free(&one);
+        sizes.rolling += fabs(lost.rolling) + fabs(twist.rolling);
+        sizes.viscous_rolling +=
+            fabs(lost.viscous_rolling) + fabs(twist.viscous_rolling) + 2 * fabs(taken.viscous_rolling);
     }
     return sizes;
 }
 
-/* n terms summed in two orders differ by at most 2 n eps sum |term|; one loss is itself a sum over SPRINGS. */
+/* n terms summed in two orders differ by at most 2 n eps sum |term|; one loss is itself a sum over up to 3 components.
+ */
 static void losses_compare(const struct contact_losses *a, const struct contact_losses *b,
                            const struct contact_losses *sizes, bool single)
 {
-    const double allowed = 2 * (CONTACTS_MAX + 1) * (single ? FLT_EPSILON : DBL_EPSILON);
+    const double allowed = 2 * 3 * (CONTACTS_MAX + 1) * (single ? FLT_EPSILON : DBL_EPSILON);
     assert_close("hysteresis", a->hysteresis, b->hysteresis, allowed * sizes->hysteresis);
     assert_close("viscous normal", a->viscous_normal, b->viscous_normal, allowed * sizes->viscous_normal);
     assert_close("viscous tangential", a->viscous_tangential, b->viscous_tangential,
                  allowed * sizes->viscous_tangential);
     assert_close("friction", a->friction, b->friction, allowed * sizes->friction);
     assert_close("stiffness", a->stiffness, b->stiffness, allowed * sizes->stiffness);
+    assert_close("rolling", a->rolling, b->rolling, allowed * sizes->rolling);
+    assert_close("viscous rolling", a->viscous_rolling, b->viscous_rolling, allowed * sizes->viscous_rolling);
 }
 
 static struct kernels kernels_of(enum instruction_set isa, struct model model)
@@ -445,8 +480,8 @@ static void isa_against_reference(enum instruction_set isa)
         print_message("*** %s: THIS CPU CANNOT RUN IT, NOT TESTED ***\n", instruction_set_name(isa));
         skip();
     }
-    for (int m = 0; m < 8 * LAW_COUNT; m++) {
-        struct model model = {2 + m / (4 * LAW_COUNT), m / 4 % LAW_COUNT, m / 2 % 2, m % 2};
+    for (int m = 0; m < 12 * LAW_COUNT; m++) {
+        struct model model = {2 + m / (6 * LAW_COUNT), m / 6 % LAW_COUNT, m / 2 % 3, m % 2};
         for (int count = 0; count <= CONTACTS_MAX; count++)
             for (uint64_t seed = 1; seed <= SEEDS; seed++)
                 compare_once(1000 * seed + (uint64_t)count, count, model, isa);

@@ -2,7 +2,7 @@
  * Parameters as of contact_law_tmpl.h. */
 #include "sim/law/contact_law_tmpl.h"
 
-#if DIM == 3 && FRICTIONAL
+#if DIM == 3 && FRICTION == 1
 /* Turns `spring` n times by `angle` about `axis` with the normal, which starts as x; spheres turn along. */
 static void NAME(turn_often)(const double *axis, double angle, int n, double *spring)
 {

@@ -167,11 +167,19 @@ LANES_INLINE struct NAME(meeting)
         at.g[c] = i.v[c] - j.v[c];
 #if FRICTIONAL
     real a_i = NAME(load_at)(p->view_radius, &seats), a_j = real_fma(real_all(r->unit), at.inverse, -a_i);
+#if ROLLING
+    at.radius = a_i;
+    at.share = a_j / (a_i + a_j);
+#endif
     for (int c = 0; c < DIM; c++)
         at.lag[c] = i.lag[c] - j.lag[c];
     for (int c = 0; c < SPRINGS; c++) {
         at.w[c] = real_fma(a_i, i.omega[c], a_j * j.omega[c]);
         at.lag_w[c] = real_fma(a_i, i.lag_omega[c], a_j * j.lag_omega[c]);
+#if ROLLING
+        at.turning[c] = i.omega[c] - j.omega[c];
+        at.lag_turning[c] = i.lag_omega[c] - j.lag_omega[c];
+#endif
 #if DIM == 3
         at.spin[c] = i.omega[c] + j.omega[c];
 #endif
@@ -256,11 +264,16 @@ LANES_INLINE void NAME(add_pair)(const struct NAME(range) * r, enum pair_kind ki
         else
             NAME(subtract_at)(to, &seats, result->force[c]);
 #if FRICTIONAL
+#if ROLLING
+    const real *own = result->own;
+#else
+    const real *own = result->moment;
+#endif
     for (int c = 0; c < SPRINGS; c++, to += rows)
         if (next)
-            real_store(to + seats.first, REAL(shifted)(before->moment[c], result->moment[c]) + result->moment[c]);
+            real_store(to + seats.first, REAL(shifted)(before->moment[c], result->moment[c]) + own[c]);
         else
-            NAME(subtract_at)(to, &seats, -result->moment[c]);
+            NAME(subtract_at)(to, &seats, -own[c]);
 #endif
     if (next)
         *before = *result;
@@ -274,6 +287,10 @@ LANES_INLINE struct NAME(contact_result) NAME(no_result)(void)
 #if FRICTIONAL
     for (int c = 0; c < SPRINGS; c++)
         none.moment[c] = real_all(0.0);
+#endif
+#if ROLLING
+    for (int c = 0; c < SPRINGS; c++)
+        none.own[c] = real_all(0.0);
 #endif
     return none;
 }
@@ -522,11 +539,19 @@ LANES_INLINE struct NAME(meeting) NAME(meet_wall)(const struct particles *p, con
 #if FRICTIONAL
     const real a_i = real_load((const scalar *)slots->reach + k);
     at.arm = real_all(1.0) - at.delta * real_all((scalar)slots->unit) / a_i;
+#if ROLLING
+    at.radius = a_i;
+    at.share = real_all(1.0);
+#endif
     for (int c = 0; c < DIM; c++)
         at.lag[c] = i.lag[c]; /* the wall moves along its normal */
     for (int c = 0; c < SPRINGS; c++) {
         at.w[c] = a_i * i.omega[c];
         at.lag_w[c] = a_i * i.lag_omega[c];
+#if ROLLING
+        at.turning[c] = i.omega[c];
+        at.lag_turning[c] = i.lag_omega[c];
+#endif
 #if DIM == 3
         at.spin[c] = i.omega[c];
 #endif
@@ -542,6 +567,10 @@ LANES_INLINE void NAME(add_wall)(void *force, const struct wall *wall, size_t k,
 {
     for (int c = 0; c < DIM; c++)
         result.force[c] = -result.force[c];
+#if ROLLING
+    for (int c = 0; c < SPRINGS; c++)
+        result.moment[c] = result.own[c];
+#endif
     NAME(add_rows)(force, wall->contacts.slots.partner + k, &result);
     real onto = result.force[0];
     for (int c = 1; c < DIM; c++)

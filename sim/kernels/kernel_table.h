@@ -1,4 +1,4 @@
-/* The kernels of every model under the including file's ISA, and the table of them: [law][dimension - 2][frictional]
+/* The kernels of every model under the including file's ISA, and the table of them: [law][dimension - 2][friction]
  * [single]. */
 enum {
     CHUNK = 8,         /* sets that go through a kernel's parts together */
@@ -19,14 +19,14 @@ enum pair_kind { PAIRS_NEXT, PAIRS_WHOLE, PAIRS_HALVES };
     }
 #define DIMENSION(d, n)                                                                                                \
     {                                                                                                                  \
-        {ENTRY(d, n, 0, 0), ENTRY(d, n, 0, 1)},                                                                        \
+        {ENTRY(d, n, 0, 0), ENTRY(d, n, 0, 1)}, {ENTRY(d, n, 1, 0), ENTRY(d, n, 1, 1)},                                \
         {                                                                                                              \
-            ENTRY(d, n, 1, 0), ENTRY(d, n, 1, 1)                                                                       \
+            ENTRY(d, n, 2, 0), ENTRY(d, n, 2, 1)                                                                       \
         }                                                                                                              \
     }
 #define LAW(name, NAME_) {DIMENSION(2, name), DIMENSION(3, name)},
 #define TABLE__(isa)     kernel_table_##isa
 #define TABLE_(isa)      TABLE__(isa)
 
-extern const struct kernels TABLE_(ISA)[LAW_COUNT][2][2][2];
-const struct kernels TABLE_(ISA)[LAW_COUNT][2][2][2] = {CONTACT_LAWS(LAW)};
+extern const struct kernels TABLE_(ISA)[LAW_COUNT][2][3][2];
+const struct kernels TABLE_(ISA)[LAW_COUNT][2][3][2] = {CONTACT_LAWS(LAW)};

@@ -20,6 +20,16 @@ static bool has_force(const struct contact_model *model)
     return model->frictional && model->traits & NORMAL_MINDLIN;
 }
 
+static bool has_rolling(const struct contact_model *model)
+{
+    return model->rolling;
+}
+
+static bool has_torsion(const struct contact_model *model)
+{
+    return model->rolling && model->dimension == 3;
+}
+
 struct row {
     struct history_field field;
     bool (*has)(const struct contact_model *model);
@@ -32,6 +42,12 @@ struct row {
 #define COMPONENT(name_, unit_, c, rest_, has_)                                                                        \
     {                                                                                                                  \
         {.name = name_, .unit = unit_, .component = c, .odd = true, .rest = rest_}, has_                               \
+    }
+
+/* a' (omega_i - omega_j) changes its sign with i and j in any dimension; along n it does not */
+#define ROLLED(name_, c, rest_)                                                                                        \
+    {                                                                                                                  \
+        {.name = name_, .unit = "m", .component = c, .odd = true, .odd_in_plane = true, .rest = rest_}, has_rolling    \
     }
 
 static const struct row table[HISTORY_COLUMNS] = {
@@ -50,6 +66,14 @@ static const struct row table[HISTORY_COLUMNS] = {
     [HISTORY_FORCE_REST + 2] = COMPONENT("tangential_force_rest", "N", 2, true, has_force),
     [HISTORY_CONTACT_RADIUS] = NUMBER("contact_radius", "m", true, has_force),
     [HISTORY_SLIDING] = NUMBER("sliding", "1", false, has_friction),
+    [HISTORY_ROLLING] = ROLLED("rolling_spring", 0, false),
+    [HISTORY_ROLLING + 1] = ROLLED("rolling_spring", 1, false),
+    [HISTORY_ROLLING + 2] = ROLLED("rolling_spring", 2, false),
+    [HISTORY_ROLLING_REST] = ROLLED("rolling_spring_rest", 0, true),
+    [HISTORY_ROLLING_REST + 1] = ROLLED("rolling_spring_rest", 1, true),
+    [HISTORY_ROLLING_REST + 2] = ROLLED("rolling_spring_rest", 2, true),
+    [HISTORY_TORSION] = NUMBER("torsion_spring", "m", false, has_torsion),
+    [HISTORY_TORSION_REST] = {{.name = "torsion_spring_rest", .unit = "m", .component = -1, .rest = true}, has_torsion},
 };
 
 const struct history_field *history_field(int c)
@@ -66,5 +90,5 @@ bool history_has(const struct contact_model *model, int c)
 
 bool history_is_odd(const struct contact_model *model, int c)
 {
-    return model->dimension == 3 && table[c].field.odd;
+    return model->dimension == 3 ? table[c].field.odd : table[c].field.odd_in_plane;
 }

@@ -13,6 +13,10 @@ enum history_column {
     HISTORY_FORCE_REST = HISTORY_FORCE + 3,
     HISTORY_CONTACT_RADIUS = HISTORY_FORCE_REST + 3,
     HISTORY_SLIDING,
+    HISTORY_ROLLING,
+    HISTORY_ROLLING_REST = HISTORY_ROLLING + 3,
+    HISTORY_TORSION = HISTORY_ROLLING_REST + 3,
+    HISTORY_TORSION_REST,
     HISTORY_COLUMNS
 };
 
@@ -21,8 +25,9 @@ struct history_field {
     const char *unit;
     int component; /* of a vector; -1: a number */
     bool length;   /* kept in the unit of the slots (contact_slots.unit) */
-    bool odd;  /* in 3D the other sign when i and j change places; in 2D a number along a tangent that turns with n */
-    bool rest; /* what rounding left out of another field; mixed precision only */
+    bool odd; /* in 3D the other sign when i and j change places; in 2D a number along a tangent that turns with n */
+    bool odd_in_plane; /* the other sign in 2D */
+    bool rest;         /* what rounding left out of another field; mixed precision only */
 };
 
 /* Column c of a contact. */

@@ -17,6 +17,13 @@ static const struct normal_functions normal_functions[LAW_COUNT] = {
 #undef FUNCTIONS
 };
 
+static struct contact_resistance resistance_of(double mu, double k, double gamma)
+{
+    if (!(mu > 0 && k > 0))
+        return (struct contact_resistance){0};
+    return (struct contact_resistance){mu, k, 1 / k, gamma};
+}
+
 struct contact_law_constants contact_law_constants_of(const struct scene_material *m, int normal)
 {
     const bool rough = m->mu_s > 0, mindlin = normal_functions[normal].traits & NORMAL_MINDLIN;
@@ -28,6 +35,8 @@ struct contact_law_constants contact_law_constants_of(const struct scene_materia
         .kt = kt,
         .inv_kt = kt > 0 ? 1 / kt : 0,
         .gamma_t = rough ? m->gamma_t_kg_per_s : 0,
+        .rolling = resistance_of(rough ? m->mu_rolling : 0, m->kr_n_per_m, m->gamma_r_kg_per_s),
+        .torsion = resistance_of(rough ? m->mu_torsion : 0, m->ko_n_per_m, m->gamma_o_kg_per_s),
         .springs = rough && (mindlin || kt > 0),
     };
     law.normal[NORMAL_CONSTANTS_MAX - 1] = m->gamma_n_kg_per_s;
@@ -88,4 +97,6 @@ void contact_losses_add(struct contact_losses *sum, const struct contact_losses 
     sum->viscous_tangential += lost->viscous_tangential;
     sum->friction += lost->friction;
     sum->stiffness += lost->stiffness;
+    sum->rolling += lost->rolling;
+    sum->viscous_rolling += lost->viscous_rolling;
 }

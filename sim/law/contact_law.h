@@ -7,6 +7,11 @@
 
 enum { NORMAL_CONSTANTS_MAX = 10 };
 
+/* Against rolling or torsion; k = 0: none. */
+struct contact_resistance {
+    double mu, k, inv_k, gamma; /* N/m, m/N, kg/s */
+};
+
 /* One stage's law, ready for the kernels. */
 struct contact_law_constants {
     double normal[NORMAL_CONSTANTS_MAX]; /* of the normal law, as its text has them; the last: gamma_n */
@@ -15,20 +20,23 @@ struct contact_law_constants {
     double mu_s, mu_d;
     double kt, inv_kt; /* N/m, m/N */
     double gamma_t;    /* kg/s */
-    bool springs;      /* friction has springs; without friction, or with kt = 0, they stay as they are */
-    double per_force;  /* 1/(a small force of the scene) [1/N], a power of 2; contact_law_set_scale */
+    struct contact_resistance rolling, torsion;
+    bool springs;     /* friction has springs; without friction, or with kt = 0, they stay as they are */
+    double per_force; /* 1/(a small force of the scene) [1/N], a power of 2; contact_law_set_scale */
 };
 
 /* Energy lost in contacts since the start of the stage [J]. */
 struct contact_losses {
     double hysteresis, viscous_normal, viscous_tangential, friction;
-    double stiffness; /* what a tangential stiffness that changes with the contact takes (Mindlin) */
+    double stiffness;                /* what a tangential stiffness that changes with the contact takes (Mindlin) */
+    double rolling, viscous_rolling; /* by the friction and the dashpots of rolling and torsion */
 };
 
 /* Of one contact at a complete step: force on i and its tangential part [N], that of the tangential spring alone,
  * reversed, in its components; normal force, energy in the elastic normal force and in the tangential spring [J]. */
 struct contact_forces {
     double total[3], tangential[3], spring[3];
+    double rolling[3], torsion; /* those springs of rolling and torsion, likewise; spring_j has theirs too */
     double normal, elastic_j, spring_j;
 };
 

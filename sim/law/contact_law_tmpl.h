@@ -2,7 +2,7 @@
  * including file defines
  * - ISA: part of the names; lanes_<ISA>.h is included before;
  * - NORMAL, NORMAL_TEXT: the normal law; PER_PAIR: it differs from contact to contact; MINDLIN: so does
- *   friction (all as in for_each_model.h); DIM: 2 or 3; FRICTIONAL: 0 or 1;
+ *   friction (all as in for_each_model.h); DIM: 2 or 3; FRICTION, FRICTIONAL, ROLLING;
  * - SINGLE: 1 for the law in float (docs/theory.md: mixed precision), else 0.
  * Every contact's arithmetic is the same in every lane and instruction set, so forces and histories are the same bits;
  * only the sums of the losses differ in their order. There are no branches: open candidates select zeros.
@@ -19,7 +19,7 @@
 #undef SPRINGS
 #define NAME_(stem, isa, dim, h, f, s)  stem##_##isa##_##dim##_##h##_##f##_##s
 #define NAME__(stem, isa, dim, h, f, s) NAME_(stem, isa, dim, h, f, s)
-#define NAME(stem)                      NAME__(stem, ISA, DIM, NORMAL, FRICTIONAL, SINGLE)
+#define NAME(stem)                      NAME__(stem, ISA, DIM, NORMAL, FRICTION, SINGLE)
 
 /* Components of the tangential spring, of rotations and of moments. */
 #define SPRINGS (2 * DIM - 3)
@@ -92,8 +92,28 @@ LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
 #include NORMAL_TEXT
 #undef NORMAL_LANES
 
+#if ROLLING
+/* Of rolling or torsion: mu, spring [N/m], dashpot [kg/s], gamma - k dt/2, and 1 if there is any. */
+struct NAME(resistance) {
+    scalar mu, k, inv_k, gamma, lever, on;
+};
+
+LANES_INLINE struct NAME(resistance) NAME(resistance_of)(const struct contact_resistance *r, double lever_s)
+{
+    return (struct NAME(resistance)){.mu = (scalar)r->mu,
+                                     .k = (scalar)r->k,
+                                     .inv_k = (scalar)r->inv_k,
+                                     .gamma = (scalar)r->gamma,
+                                     .lever = (scalar)(r->gamma - 0.5 * r->k * lever_s),
+                                     .on = r->k > 0};
+}
+#endif
+
 struct NAME(law) {
     struct NAME(normal_law) normal;
+#if ROLLING
+    struct NAME(resistance) rolling, torsion;
+#endif
     scalar gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt;
     scalar lever;                         /* gamma_t - kt dt/2 */
     scalar per_force;                     /* 1/N, a power of 2 */
@@ -106,21 +126,18 @@ struct NAME(law) {
 LANES_INLINE struct NAME(law)
     NAME(law_of)(const struct contact_law_constants *law, double dt_s, double lever_s, double unit)
 {
-    return (struct NAME(law)){.normal = NAME(normal_law_of)(law->normal, unit),
-                              .gamma_n = (scalar)law->gamma_n,
-                              .mu_s = (scalar)law->mu_s,
-                              .mu_d = (scalar)law->mu_d,
-                              .kt = (scalar)law->kt,
-                              .inv_kt = (scalar)law->inv_kt,
-                              .gamma_t = (scalar)law->gamma_t,
-                              .dt = (scalar)(law->springs ? dt_s : 0),
-                              .lever = (scalar)(law->gamma_t - 0.5 * law->kt * lever_s),
-                              .half = (scalar)(law->springs ? 0.5 * lever_s : 0),
-                              .damped = law->springs,
-                              .unit = (scalar)unit,
-                              .dt_units = (scalar)(law->springs ? dt_s / unit : 0),
-                              .half_per_unit = (scalar)(law->springs ? 0.5 * dt_s / unit : 0),
-                              .per_force = (scalar)law->per_force};
+    return (struct NAME(law))
+    {
+        .normal = NAME(normal_law_of)(law->normal, unit),
+#if ROLLING
+        .rolling = NAME(resistance_of)(&law->rolling, lever_s), .torsion = NAME(resistance_of)(&law->torsion, lever_s),
+#endif
+        .gamma_n = (scalar)law->gamma_n, .mu_s = (scalar)law->mu_s, .mu_d = (scalar)law->mu_d, .kt = (scalar)law->kt,
+        .inv_kt = (scalar)law->inv_kt, .gamma_t = (scalar)law->gamma_t, .dt = (scalar)(law->springs ? dt_s : 0),
+        .lever = (scalar)(law->gamma_t - 0.5 * law->kt * lever_s), .half = (scalar)(law->springs ? 0.5 * lever_s : 0),
+        .damped = law->springs, .unit = (scalar)unit, .dt_units = (scalar)(law->springs ? dt_s / unit : 0),
+        .half_per_unit = (scalar)(law->springs ? 0.5 * dt_s / unit : 0), .per_force = (scalar)law->per_force
+    };
 }
 
 /* What the contacts of a list remember, LANES of them from here on; changed in place. rest: what rounding left out of
@@ -133,6 +150,9 @@ struct NAME(memory) {
 #endif
 #if FRICTIONAL
     scalar *spring[SPRINGS], *rest[SPRINGS], *sliding; /* sliding: 1 or 0 */
+#endif
+#if ROLLING
+    scalar *rolling[SPRINGS], *rolling_rest[SPRINGS], *torsion, *torsion_rest;
 #endif
 };
 
@@ -153,6 +173,14 @@ LANES_INLINE struct NAME(memory) NAME(memory_at)(void *const *pair, void *const 
             SINGLE ? (scalar *)history[(MINDLIN ? HISTORY_FORCE_REST : HISTORY_SPRING_REST) + c] + slot : NULL;
     }
 #endif
+#if ROLLING
+    for (int c = 0; c < SPRINGS; c++) {
+        memory.rolling[c] = (scalar *)history[HISTORY_ROLLING + c] + slot;
+        memory.rolling_rest[c] = SINGLE ? (scalar *)history[HISTORY_ROLLING_REST + c] + slot : NULL;
+    }
+    memory.torsion = DIM == 3 ? (scalar *)history[HISTORY_TORSION] + slot : NULL;
+    memory.torsion_rest = DIM == 3 && SINGLE ? (scalar *)history[HISTORY_TORSION_REST] + slot : NULL;
+#endif
     return memory;
 }
 
@@ -164,11 +192,22 @@ struct NAME(meeting) {
 #if FRICTIONAL
     real w[SPRINGS], lag[DIM], lag_w[SPRINGS];
     real arm; /* lever arms over the radii */
+#if ROLLING
+    real turning[SPRINGS], lag_turning[SPRINGS]; /* omega_i - omega_j */
+    real radius, share;                          /* a_i; a_j/(a_i + a_j), 1 against a wall */
+#endif
 #if DIM == 3
     real spin[3];
 #endif
 #endif
 };
+
+#if ROLLING
+/* Rolling or torsion when what resists it is known, but for how much of it slides. */
+struct NAME(resisted) {
+    real pull[SPRINGS], moved[SPRINGS], pull2, power, factor; /* as of struct touch; torsion: the first component */
+};
+#endif
 
 /* The same when all roots are drawn: what is left is to move springs and to find the force. */
 struct NAME(touch) {
@@ -181,15 +220,36 @@ struct NAME(touch) {
     real arm, pull[SPRINGS], pull2, power, bound2, kinetic, factor;
     real moved[SPRINGS]; /* the spring half a step on if nothing slides; single: its change */
 #endif
+#if ROLLING
+    real share;
+    struct NAME(resisted) rolling;
+#if DIM == 3
+    struct NAME(resisted) torsion;
+#endif
+#endif
 };
 
-/* Force on j (reversed: on i), and moment n x f_t, alike for both. */
+/* Force on j (reversed: on i), and moment n x f_t, alike for both but for rolling and torsion: `own` is that on i. */
 struct NAME(contact_result) {
     real force[DIM];
 #if FRICTIONAL
     real moment[SPRINGS];
 #endif
+#if ROLLING
+    real own[SPRINGS];
+#endif
 };
+
+#if ROLLING
+/* Of rolling or torsion the sums that friction has. */
+struct NAME(resisted_sums) {
+    real v2, slip, slip2, power;
+};
+
+struct NAME(resisted_totals) {
+    struct NAME(doubles) v2, slip, slip2, power;
+};
+#endif
 
 /* Sums over contacts, one per lane: of u^2; of v_t^2, q pull^2, q^2 pull^2 and q pull.v_t for what the dashpot and
  * sliding take. */
@@ -199,6 +259,9 @@ struct NAME(sums) {
 #if MINDLIN
     real power_t, stiffness;
 #endif
+#if ROLLING
+    struct NAME(resisted_sums) rolling, torsion;
+#endif
 };
 
 /* What they have come to, so that sums in float stay short. */
@@ -207,6 +270,9 @@ struct NAME(totals) {
     struct NAME(doubles) normal, vt2, slip, slip2, power;
 #if MINDLIN
     struct NAME(doubles) power_t, stiffness;
+#endif
+#if ROLLING
+    struct NAME(resisted_totals) rolling, torsion;
 #endif
 };
 
@@ -335,6 +401,10 @@ LANES_INLINE void NAME(keep)(const struct NAME(law) * law, struct NAME(touch) * 
 }
 
 #include TANGENTIAL_TEXT
+
+#if ROLLING
+#include "sim/law/rolling_tmpl.h"
+#endif
 #endif
 
 /* First half of the law for one set of contacts. Open ones have the overlap 0, for which the law gives no force and no
@@ -372,6 +442,9 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
     touch.pair = pair;
 #endif
     NAME(test)(law, at, u, delta, limit, memory, &touch, sums);
+#if ROLLING
+    NAME(roll)(law, at, u, delta, limit, memory, &touch, sums);
+#endif
 #endif
     return touch;
 }
@@ -383,6 +456,9 @@ LANES_INLINE struct NAME(contact_result) NAME(force)(const struct NAME(law) * la
     struct NAME(contact_result) result;
 #if FRICTIONAL
     NAME(slip)(law, touch, memory, &result, sums);
+#if ROLLING
+    NAME(roll_slip)(law, touch, memory, &result, sums);
+#endif
 #else
     for (int c = 0; c < DIM; c++)
         result.force[c] = touch->pressing * touch->n[c];
@@ -401,6 +477,10 @@ LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals)
 #if FRICTIONAL
     NAME(friction_sums_close)(sums, totals);
 #endif
+#if ROLLING
+    NAME(resisted_close)(&sums->rolling, &totals->rolling);
+    NAME(resisted_close)(&sums->torsion, &totals->torsion);
+#endif
 }
 
 /* Adds the totals as energies [J]. */
@@ -411,5 +491,9 @@ LANES_INLINE void NAME(totals_add)(const struct NAME(totals) * totals, const str
     losses->hysteresis += NAME(normal_hysteresis_j)(&totals->own, law->normal, unit);
 #if FRICTIONAL
     NAME(friction_totals_add)(totals, law, dt_s, losses);
+#endif
+#if ROLLING
+    NAME(resisted_add)(&totals->rolling, &law->rolling, dt_s, losses);
+    NAME(resisted_add)(&totals->torsion, &law->torsion, dt_s, losses);
 #endif
 }

@@ -24,11 +24,24 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
     struct NAME(law) undamped = law;
     undamped.lever -= law.gamma_t;
     undamped.damped = 0;
+#if ROLLING
+    undamped.rolling.lever -= law.rolling.gamma;
+    undamped.torsion.lever -= law.torsion.gamma;
+#endif
     const struct NAME(touch) springs = NAME(touch)(&undamped, at, &memory, &sums);
 #if MINDLIN
     f->spring_j = 0.5 * own.inv_kt * springs.pull2;
 #else
     f->spring_j = 0.5 * law.inv_kt * springs.pull2;
+#endif
+#if ROLLING
+    f->spring_j += 0.5 * law.rolling.inv_k * springs.rolling.pull2;
+    for (int c = 0; c < SPRINGS; c++)
+        f->rolling[c] = springs.rolling.pull[c];
+#if DIM == 3
+    f->spring_j += 0.5 * law.torsion.inv_k * springs.torsion.pull2;
+    f->torsion = springs.torsion.pull[0];
+#endif
 #endif
 #if DIM == 2
     f->spring[0] = springs.pull[0];

@@ -28,6 +28,8 @@ struct contact_model contact_model_make(int dimension, int normal, bool friction
 
 struct contact_model contact_model_of(const struct scene *scene)
 {
-    return contact_model_make((int)scene->dimension, normal_law_of(scene), scene_is_frictional(scene),
-                              scene->precision == PRECISION_MIXED);
+    struct contact_model model = contact_model_make((int)scene->dimension, normal_law_of(scene),
+                                                    scene_is_frictional(scene), scene->precision == PRECISION_MIXED);
+    model.rolling = scene_resists_rolling(scene);
+    return model;
 }

@@ -10,8 +10,9 @@ struct contact_model {
     int dimension; /* 2 or 3 */
     int normal;    /* enum contact_law */
     bool frictional;
-    bool single; /* in float (mixed precision), else in double */
-    int traits;  /* of the normal law, enum normal_trait */
+    bool rolling; /* and with rolling and torsion resistance */
+    bool single;  /* in float (mixed precision), else in double */
+    int traits;   /* of the normal law, enum normal_trait */
 };
 
 /* What a normal law asks for beside its constants. */
@@ -23,12 +24,18 @@ enum normal_trait {
 
 struct contact_model contact_model_of(const struct scene *scene);
 
-/* The same from its parts, with the traits of the law. */
+/* The same from its parts, with the traits of the law, without rolling resistance. */
 struct contact_model contact_model_make(int dimension, int normal, bool frictional, bool single);
 
 /* Constants of a contact, for laws with NORMAL_PER_PAIR: root of the reduced mass [kg^(1/2)], reduced radius a_i
  * a_j/(a_i + a_j), against a wall a_i, in the unit of the slots. */
 enum { PAIR_ROOT_MASS, PAIR_RADIUS, PAIR_CONSTANTS };
+
+/* 0: no friction, 1: of slip, 2: of rolling and torsion, too; as FRICTION of for_each_model.h. */
+static inline int contact_model_friction(const struct contact_model *model)
+{
+    return model->frictional + model->rolling;
+}
 
 /* Components of the tangential spring, of rotations and of moments: 0 without friction, 1 in 2D, 3 in 3D. */
 static inline int contact_model_springs(const struct contact_model *model)

@@ -1,18 +1,20 @@
 /* The models of one normal law and dimension (for_each_model.h). */
+#define FRICTION   0
 #define FRICTIONAL 0
-#define SINGLE     0
-#include MODEL_TEXT
-#undef SINGLE
-#define SINGLE 1
-#include MODEL_TEXT
-#undef SINGLE
+#define ROLLING    0
+#include "sim/law/for_each_precision.h"
+#undef FRICTION
 #undef FRICTIONAL
 
+#define FRICTION   1
 #define FRICTIONAL 1
-#define SINGLE     0
-#include MODEL_TEXT
-#undef SINGLE
-#define SINGLE 1
-#include MODEL_TEXT
-#undef SINGLE
+#include "sim/law/for_each_precision.h"
+#undef FRICTION
+#undef ROLLING
+
+#define FRICTION 2
+#define ROLLING  1
+#include "sim/law/for_each_precision.h"
+#undef FRICTION
 #undef FRICTIONAL
+#undef ROLLING

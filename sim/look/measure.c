@@ -66,7 +66,8 @@ double measure_turnover_j(const struct sample *sample, const struct measurement 
     const struct contact_losses *lost = &ledger->contacts;
     const double work = fabs(ledger->work_walls) + fabs(m->work_gravity_j) + fabs(ledger->work_material);
     const double losses = fabs(lost->hysteresis) + fabs(lost->viscous_normal) + fabs(lost->viscous_tangential) +
-                          fabs(lost->friction) + fabs(lost->stiffness) + fabs(ledger->background);
+                          fabs(lost->friction) + fabs(lost->stiffness) + fabs(lost->rolling) +
+                          fabs(lost->viscous_rolling) + fabs(ledger->background);
     const double elastic = m->elastic_normal_j + m->elastic_tangential_j;
     const double stored = fabs(m->kinetic_j - ledger->kinetic_start) + fabs(elastic - ledger->elastic_start);
     return fmax(fmax(work, losses), fmax(stored, ledger->kinetic_start));
@@ -123,7 +124,8 @@ static void measure_energies(struct complete_sample whole, const struct contact_
     double stored =
         m->kinetic_j - ledger->kinetic_start + m->elastic_normal_j + m->elastic_tangential_j - ledger->elastic_start;
     double lost = ledger->contacts.hysteresis + ledger->contacts.viscous_normal + ledger->contacts.viscous_tangential +
-                  ledger->contacts.friction + ledger->contacts.stiffness + ledger->background;
+                  ledger->contacts.friction + ledger->contacts.stiffness + ledger->contacts.rolling +
+                  ledger->contacts.viscous_rolling + ledger->background;
     m->residual_j = ledger->work_walls + m->work_gravity_j + ledger->work_material - stored - lost;
 }
 

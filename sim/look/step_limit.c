@@ -92,7 +92,9 @@ static void contacts_limit(const struct contact_law_constants *law, const struct
     limit->contact_s = fmin(limit->contact_s, PI / sqrt(2 * law->stiffness / sizes->lightest_kg));
     take_shorter(stable_step_s(law->stiffness * per_mass, law->gamma_n * per_mass), false, axis, limit);
     if (law->mu_s > 0)
-        take_shorter(stable_step_s(3.5 * law->kt * per_mass, 3.5 * law->gamma_t * per_mass), true, axis, limit);
+        take_shorter(stable_step_s((3.5 * law->kt + 2.5 * (law->rolling.k + law->torsion.k)) * per_mass,
+                                   (3.5 * law->gamma_t + 2.5 * (law->rolling.gamma + law->torsion.gamma)) * per_mass),
+                     true, axis, limit);
 }
 
 struct step_limit step_limit_of(const struct sample *sample, const struct scene_stage *stage)

@@ -19,7 +19,8 @@ struct step_limit {
  * omega^2 dt^2 + 4 lambda dt < 4, that is up to 2/(lambda + sqrt(lambda^2 + omega^2)). In a random close packing a
  * particle of radius a has d (1 + a/<a>) neighbours (2 d for one of the mean size, d for a small one between large
  * ones), d the dimension: along any line k is that of 1 + a/<a> contacts, and m the reduced mass with a mean particle.
- * Tangentially each contact pulls at a lever: a sphere's effective mass is 2/7 of its mass. */
+ * Tangentially each contact pulls at a lever: a sphere's effective mass is 2/7 of its mass; rolling and torsion turn it
+ * alone, at most at the lever of its radius: 2/5. */
 struct step_limit step_limit_of(const struct sample *sample, const struct scene_stage *stage);
 
 /* STATUS_CONFIG, with the key and the longest step that holds, if contacts do not bear the time step of a stage. */

@@ -130,6 +130,8 @@ static const struct entry members[] = {
     SAMPLE(ledger.contacts.viscous_tangential, F64, 1),
     SAMPLE(ledger.contacts.friction, F64, 1),
     SAMPLE(ledger.contacts.stiffness, F64, 1),
+    SAMPLE(ledger.contacts.rolling, F64, 1),
+    SAMPLE(ledger.contacts.viscous_rolling, F64, 1),
     SAMPLE(verlet.skin, F64, 1),
     SAMPLE(pairs.search_max, I32, 1),
     SAMPLE(verlet.rebuilds, I64, 1),

@@ -152,6 +152,8 @@ static void fill_ledger(shakedown_sample_t *message, const struct sample *sample
     message->dissipated_viscous_tangential_j = sample->ledger.contacts.viscous_tangential;
     message->dissipated_friction_j = sample->ledger.contacts.friction;
     message->dissipated_stiffness_j = sample->ledger.contacts.stiffness;
+    message->dissipated_rolling_j = sample->ledger.contacts.rolling;
+    message->dissipated_viscous_rolling_j = sample->ledger.contacts.viscous_rolling;
     message->dissipated_background_j = sample->ledger.background;
     message->energy_residual_j = m->residual_j;
 }

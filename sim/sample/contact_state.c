@@ -12,12 +12,17 @@
 typedef void contact_at(const struct sample *sample, int l, int k, const struct contact_geometry *g,
                         struct contact_forces *f);
 
-/* [law][dimension - 2][frictional] */
-static contact_at *const contact_models[LAW_COUNT][2][2] = {
-#define MODEL(d, n, f)   NAME__(contact_at, ISA, d, n, f, 0)
-#define LAW(name, NAME_) {{MODEL(2, name, 0), MODEL(2, name, 1)}, {MODEL(3, name, 0), MODEL(3, name, 1)}},
+/* [law][dimension - 2][friction] */
+static contact_at *const contact_models[LAW_COUNT][2][3] = {
+#define MODEL(d, n, f) NAME__(contact_at, ISA, d, n, f, 0)
+#define MODELS(d, n)                                                                                                   \
+    {                                                                                                                  \
+        MODEL(d, n, 0), MODEL(d, n, 1), MODEL(d, n, 2)                                                                 \
+    }
+#define LAW(name, NAME_) {MODELS(2, name), MODELS(3, name)},
     CONTACT_LAWS(LAW)
 #undef LAW
+#undef MODELS
 #undef MODEL
 };
 
@@ -61,7 +66,8 @@ bool contact_state_at(struct complete_sample whole, int l, int k, struct contact
     if (!(geometry->overlap > 0))
         return false;
     if (whole.sample->material) /* before the first stage there is no law */
-        contact_models[model->normal][model->dimension - 2][model->frictional](whole.sample, l, k, geometry, forces);
+        contact_models[model->normal][model->dimension - 2][contact_model_friction(model)](whole.sample, l, k, geometry,
+                                                                                           forces);
     return true;
 }
 

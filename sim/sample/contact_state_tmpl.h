@@ -31,6 +31,14 @@ static void NAME(contact_at)(const struct sample *sample, int l, int k, const st
 #endif
     }
 #endif
+#if ROLLING
+    at.radius = p->radius[i];
+    at.share = wall ? 1 : p->radius[j] / (p->radius[i] + p->radius[j]);
+    for (int c = 0; c < SPRINGS; c++) {
+        at.lag_turning[c] = 0;
+        at.turning[c] = p->omega[c][i] - (wall ? 0 : p->omega[c][j]);
+    }
+#endif
     for (int c = 0; c < HISTORY_COLUMNS; c++) {
         history[c] = &values[c];
         if (history_has(&list->model, c) && !history_field(c)->rest)
@@ -39,6 +47,12 @@ static void NAME(contact_at)(const struct sample *sample, int l, int k, const st
 #if FRICTIONAL
     for (int c = 0; c < SPRINGS; c++)
         values[(MINDLIN ? HISTORY_FORCE : HISTORY_SPRING) + c] = contact_list_spring(list, c, k);
+#endif
+#if ROLLING
+    for (int c = 0; c < SPRINGS; c++)
+        values[HISTORY_ROLLING + c] = contact_list_whole(list, HISTORY_ROLLING + c, HISTORY_ROLLING_REST + c, k);
+    if (DIM == 3)
+        values[HISTORY_TORSION] = contact_list_whole(list, HISTORY_TORSION, HISTORY_TORSION_REST, k);
 #endif
     pair[PAIR_ROOT_MASS] = sqrt(wall ? p->mass[i] : p->mass[i] * p->mass[j] / (p->mass[i] + p->mass[j]));
     pair[PAIR_RADIUS] = wall ? p->radius[i] : p->radius[i] * p->radius[j] / (p->radius[i] + p->radius[j]);

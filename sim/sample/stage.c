@@ -45,11 +45,20 @@ static const struct contact_law_constants *law_of_list(const struct sample *samp
     return l == 0 ? &sample->law : &sample->wall_law[(l - 1) / 2];
 }
 
+/* Whether contacts of this law have what is kept in column c of the history of friction. */
+static bool has_spring(const struct contact_law_constants *law, int c)
+{
+    if (c >= HISTORY_TORSION)
+        return law->torsion.k > 0;
+    return c >= HISTORY_ROLLING ? law->rolling.k > 0 : law->springs;
+}
+
 static bool has_springs(const struct sample *sample)
 {
     bool all = true;
     for (int l = 0; l <= sample->n_walls; l++)
-        all = all && law_of_list(sample, l)->springs;
+        for (int c = HISTORY_SPRING; c < HISTORY_COLUMNS; c++)
+            all = all && (!history_has(&sample->pairs.model, c) || has_spring(law_of_list(sample, l), c));
     return all;
 }
 
@@ -72,10 +81,18 @@ static enum status forget_friction(struct sample *sample)
         struct contact_list *list = list_of(sample, l);
         contact_list_read(list);
         for (int c = HISTORY_SPRING; c < HISTORY_COLUMNS; c++)
-            if (list->history[c] && list->count && c != HISTORY_CONTACT_RADIUS && !law_of_list(sample, l)->springs)
+            if (list->history[c] && list->count && c != HISTORY_CONTACT_RADIUS &&
+                !has_spring(law_of_list(sample, l), c))
                 memset(list->history[c], 0, (size_t)list->count * sizeof(double));
     }
     return lists_ready(sample);
+}
+
+static void set_spring(struct contact_list *list, int c, int rest, int k, double now)
+{
+    list->history[c][k] = list->model.single ? (float)now : now;
+    if (list->model.single)
+        list->history[rest][k] = (float)(now - (float)now);
 }
 
 /* Springs (Mindlin: forces) of contact k of list l as they are now. */
@@ -88,12 +105,14 @@ static void settle_spring(struct complete_sample whole, struct contact_list *lis
     struct contact_forces f;
     if (!contact_state_at(whole, l, k, &g, &f))
         return;
+    const struct contact_law_constants *law = law_of_list(whole.sample, l);
     for (int c = 0; c < contact_model_springs(&list->model); c++) {
-        const double now = f.spring[c] * (mindlin ? 1 : law_of_list(whole.sample, l)->inv_kt);
-        list->history[first + c][k] = list->model.single ? (float)now : now;
-        if (list->model.single)
-            list->history[rest + c][k] = (float)(now - (float)now);
+        set_spring(list, first + c, rest + c, k, f.spring[c] * (mindlin ? 1 : law->inv_kt));
+        if (list->model.rolling)
+            set_spring(list, HISTORY_ROLLING + c, HISTORY_ROLLING_REST + c, k, f.rolling[c] * law->rolling.inv_k);
     }
+    if (history_has(&list->model, HISTORY_TORSION))
+        set_spring(list, HISTORY_TORSION, HISTORY_TORSION_REST, k, f.torsion * law->torsion.inv_k);
 }
 
 enum status stage_settle_springs(struct sample *sample)
