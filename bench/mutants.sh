@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# Do the tests notice faults? ./shakedown bench mutants [--only MODULE] [--again]
+# Each line of bench/mutants.txt is a one-line fault in recorder, analyzer, common or wallctl. It is put into a copy of the
+# tree (build-mutants/source), the programs of that module's quick tests are built, and the tests are run: a fault that
+# none of them notices is alive, and is listed. What was tried is kept (build-mutants/tried.txt) and is not tried again
+# unless the line has changed, or with --again. Exit code 1 if more than 3 are alive.
+set -euo pipefail
+# shellcheck source=options.sh
+. "${BASH_SOURCE[0]%/*}/options.sh"
+read_options '--again' '--only' '--again --only' "$@"
+
+scratch=$root/build-mutants source=$root/build-mutants/source
+list=$root/bench/mutants.txt tried=$scratch/tried.txt
+
+# Quick tests of a module, and the programs that they need.
+declare -A tests=(
+    [recorder]='recorder|recorder_log|fuzz_seeds|fuzz_seed_checkpoint|fuzz_run_file|export|recorder_fault'
+    [analyzer]='analyzer_.*|fuzz_seeds|fuzz_seed_checkpoint|fuzz_run_file'
+    [common]='scene|bus|recorder|recorder_log|law|sim_unit|judge|fuzz_seeds|fuzz_seed_checkpoint|fuzz_message|fuzz_event_log|fuzz_scene'
+    [wallctl]='law|command_check')
+declare -A programs=(
+    [recorder]='recorder shakedown-export test_recorder test_recorder_log test_recorder_fault fuzz_run_file_corpus fuzz_seeds sim'
+    [analyzer]='analyzer fuzz_run_file_corpus fuzz_seeds sim'
+    [common]='test_scene test_bus recorder test_recorder test_recorder_log test_law test_sim_unit test_judge sim fuzz_message_corpus fuzz_event_log_corpus fuzz_scene_corpus fuzz_seeds'
+    [wallctl]='test_law test_command_check')
+
+copy_tree() {
+    mkdir -p "$source"
+    (cd "$root" && git ls-files -z --cached --others --exclude-standard | tar --null -cf - -T -) | tar -xf - -C "$source"
+}
+
+build() { # TARGET...
+    cmake --build "$source/build" --target "$@" >"$scratch/build.log" 2>&1
+}
+
+build_of() { # MODULE
+    local names file
+    read -ra names <<<"${programs[$1]}"
+    for file in "$source"/tests/test_analyzer_*.c; do
+        file=${file##*/}
+        [ "$1" != analyzer ] || [ "$file" = test_analyzer_fixture.c ] || names+=("${file%.c}")
+    done
+    build "${names[@]}"
+}
+
+run_tests() { # MODULE
+    timeout 300 ctest --test-dir "$source/build" -R "^(${tests[$1]})\$" --stop-on-failure >"$scratch/tests.log" 2>&1
+}
+
+# Puts a fault in, and sets `verdict`.
+try() { # FILE FROM TO
+    local file=$source/$1 module=${1%%/*} text
+    text=$(<"$file")
+    case ${text#*"$2"} in
+        "$text") verdict='not there' && return ;;
+        *"$2"*) verdict='there twice' && return ;;
+    esac
+    printf '%s\n' "${text/"$2"/"$3"}" >"$file"
+    if ! build_of "$module"; then
+        verdict='does not compile'
+    elif run_tests "$module"; then
+        verdict=alive
+    else
+        verdict="noticed by $(sed -n 's/^[[:space:]]*[0-9]* - \([a-z_0-9]*\) (.*/\1/p' "$scratch/tests.log" | head -n 1)"
+    fi
+    printf '%s\n' "$text" >"$file"
+}
+
+mkdir -p "$scratch"
+copy_tree
+[ -f "$source/build/build.ninja" ] || cmake -S "$source" -B "$source/build" --preset "${SHAKEDOWN_PRESET:-release}" >"$scratch/build.log" 2>&1
+[ -z "${given[--again]:-}" ] || rm -f "$tried"
+touch "$tried"
+for module in recorder analyzer common wallctl; do
+    [ -z "${given[--only]:-}" ] || [ "${given[--only]}" = "$module" ] || continue
+    build_of "$module" || { tail -n 40 "$scratch/build.log" && exit 1; }
+    run_tests "$module" || { echo "the tests of $module fail without a fault" && tail -n 20 "$scratch/tests.log" && exit 1; }
+    total=$(grep -c "^$module/" "$list") count=0
+    while IFS= read -r line; do
+        count=$((count + 1))
+        grep -qF -- "$line" "$tried" && continue
+        plain=${line//'\|'/$'\a'} # a bar that belongs to the text
+        file=${plain%% | *} rest=${plain#* | }
+        try "$file" "$(tr '\a' '|' <<<"${rest%% | *}")" "$(tr '\a' '|' <<<"${rest#* | }")"
+        printf '%s => %s\n' "$verdict" "$line" >>"$tried"
+        printf '%s %d/%d: %s: %s\n' "$module" "$count" "$total" "$file" "$verdict"
+    done < <(grep "^$module/" "$list")
+done
+alive=$(grep -c '^alive => ' "$tried" || true)
+echo "$(grep -c '^noticed' "$tried" || true) noticed, $alive alive, $(grep -cE '^(not there|there twice|does not compile)' "$tried" || true) no use"
+grep -E '^(alive|not there|there twice|does not compile) => ' "$tried" || true
+[ "$alive" -le 3 ]
