@@ -39,13 +39,15 @@ static inline double normal_hertz_stiffness(const double *constant, double radiu
 
 #ifdef NORMAL_LANES
 struct NAME(normal_law) {
-    scalar e43, g8, damping, tangent_ratio, two_fifths_unit; /* for lengths in units: forces in N, stiffness in N/m */
+    scalar e43, g8, inv_g8, damping, tangent_ratio,
+        two_fifths_unit; /* for lengths in units: forces in N, stiffness in N/m */
 };
 
 LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, double unit)
 {
     return (struct NAME(normal_law)){.e43 = (scalar)(4.0 / 3 * constant[HERTZ_E] * unit * unit),
                                      .g8 = (scalar)(constant[HERTZ_8G] * unit),
+                                     .inv_g8 = (scalar)(1 / (constant[HERTZ_8G] * unit)),
                                      .damping = (scalar)(constant[HERTZ_DAMPING] * sqrt(unit)),
                                      .tangent_ratio = (scalar)constant[HERTZ_TANGENT_RATIO],
                                      .two_fifths_unit = (scalar)(0.4 * unit)};
@@ -84,6 +86,15 @@ LANES_INLINE real NAME(inverse_root)(real x)
 #endif
 }
 
+LANES_INLINE real NAME(positive_root)(real x)
+{
+#if SINGLE
+    return f32_sqrt(x);
+#else
+    return x * NAME(inverse_root)(x);
+#endif
+}
+
 LANES_INLINE struct NAME(pair)
     NAME(pair_of)(const struct NAME(normal_law) * law, real delta, real root_mass, real radius,
                   const struct NAME(normal_memory) * memory, struct NAME(normal_sums) * sums)
@@ -100,23 +111,28 @@ LANES_INLINE struct NAME(pair)
     (void)memory;
 #endif
     const real ac2 = real_select(active, radius * delta, idle), inverse = NAME(inverse_root)(ac2);
-    real ac = ac2 * inverse;
+    real ac = ac2 * inverse, inv_ac = inverse; /* of which the last is for friction */
+    (void)inv_ac;
 #if FRICTIONAL && SINGLE
     /* a contact radius that moves by less than its noise stays: else each fall would take a little of the force */
     const real moved = ac - before, band = real_all(0x1p-18) * before;
-    ac = real_select(real_greater(moved * moved, band * band), ac, real_select(active, before, ac));
+    const real_mask moves = real_greater(moved * moved, band * band);
+    ac = real_select(moves, ac, real_select(active, before, ac));
+    inv_ac = inverse * (real_all(2.0) - ac * inverse); /* a step of Newton's, from at most 2^-18 off */
 #endif
     pair.elastic = real_all(law->e43) * (ac2 * inverse) * delta;
     pair.stored = real_all(law->two_fifths_unit) * pair.elastic * delta;
-    const real root_ac = ac * NAME(inverse_root)(ac);
-    pair.gamma_n = real_all(law->damping) * root_mass * root_ac;
+    pair.gamma_n = real_all(law->damping) * root_mass * NAME(positive_root)(ac);
 #if FRICTIONAL
-    const real one = real_all(1.0), up = ac / before, down = before / ac;
+    const real one = real_all(1.0), up = ac / before, down = before * inv_ac;
     pair.kt = real_all(law->g8) * ac;
-    pair.inv_kt = one / pair.kt;
+    pair.inv_kt = real_all(law->inv_g8) * inv_ac;
     pair.gamma_t = pair.gamma_n * real_all(law->tangent_ratio);
     pair.fall = real_smaller(up, one); /* new contacts: inf, or 0/0, which becomes 1 */
     pair.ratio = real_smaller(up, real_smaller(down, one));
+#if SINGLE
+    pair.ratio = real_select(moves, pair.ratio, one); /* where nothing moves, nothing is lost by rounding */
+#endif
     pair.held = real_select(real_greater(before, zero), pair.inv_kt * up, zero);
     real_store(memory->contact_radius, real_where(active, ac));
 #endif
