@@ -5,25 +5,17 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Rolling and torsion: particles turn only where there is friction. */
-static enum status resistance_check(const char *mu_key, double mu, const char *k_key, double k,
-                                    const struct scene_material *m, const config_setting_t *at, const char *where)
-{
-    if (mu > 0 && !(k > 0))
-        return config_fail(at, where, "%s above 0 needs %s above 0", mu_key, k_key);
-    if (mu > 0 && !(m->mu_s > 0))
-        return config_fail(at, where, "%s above 0 needs friction (mu_s above 0), without which nothing turns", mu_key);
-    return STATUS_OK;
-}
-
 static enum status friction_check(const struct scene_material *m, const config_setting_t *at, const char *where)
 {
     if (m->mu_d < 0 && m->mu_d != -1.0)
         return config_fail(at, where, "mu_d (%g) must not be negative; only -1 stands for mu_s", m->mu_d);
     if (m->mu_d > m->mu_s)
         return config_fail(at, where, "mu_d (%g) must not exceed mu_s (%g)", m->mu_d, m->mu_s);
-    TRY(resistance_check("mu_rolling", m->mu_rolling, "kr_n_per_m", m->kr_n_per_m, m, at, where));
-    return resistance_check("mu_torsion", m->mu_torsion, "ko_n_per_m", m->ko_n_per_m, m, at, where);
+    if (m->mu_rolling > 0 && !(m->kr_n_per_m > 0))
+        return config_fail(at, where, "mu_rolling above 0 needs kr_n_per_m above 0");
+    if (m->mu_torsion > 0 && !(m->ko_n_per_m > 0))
+        return config_fail(at, where, "mu_torsion above 0 needs ko_n_per_m above 0");
+    return STATUS_OK;
 }
 
 /* Checks between the keys of one material; `where` is its path. */

@@ -180,6 +180,9 @@ static enum status scene_read(struct scene *scene, const config_setting_t *root,
     TRY(scene_check_sample(scene, path, config_setting_get_member(root, "sample")));
     TRY(prepared_stages_read(scene, root, name));
     TRY(stages_read(scene, root));
+    if (scene_resists_rolling(scene) && !scene_is_frictional(scene)) /* stages without friction leave it out */
+        return config_fail(config_setting_get_member(root, "stages"), "stages",
+                           "mu_rolling and mu_torsion need friction (mu_s above 0), without which nothing turns");
     if (scene_stage_find(scene, scene->analysis.stage) < 0)
         return config_fail(config_setting_get_member(root, "analysis"), "analysis.stage", "there is no stage \"%s\"",
                            scene->analysis.stage);
