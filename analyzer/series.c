@@ -231,16 +231,27 @@ static int curves_write(FILE *out, const struct ensemble *ensemble)
     return curves;
 }
 
-static enum status script_write(const struct ensemble *ensemble, const char *key, const char *path, int *curves)
+/* Opens the script `path` of a figure NAME.svg of series.csv and writes what all have in common. */
+static enum status script_open(const char *path, const char *name, FILE **out)
 {
-    FILE *out = fopen(path, "w");
-    if (!out)
+    *out = fopen(path, "w");
+    if (!*out)
         return status_fail(STATUS_IO, "%s: %s", path, strerror(errno));
-    fprintf(out,
-            "# Made by analyzer; run `gnuplot series.gp` here to make the plot again.\n"
+    fprintf(*out,
+            "# Made by analyzer; run `gnuplot %s.gp` here to make the plot again.\n"
             "set encoding utf8\nset datafile separator ','\nset datafile missing 'nan'\n"
             "set terminal svg size 720,500 enhanced font 'DejaVu Sans,15' background 'white'\n"
-            "set output 'series.svg'\nset grid\nset colorsequence podo\n"
+            "set output '%s.svg'\nset grid\n",
+            name, name);
+    return STATUS_OK;
+}
+
+static enum status script_write(const struct ensemble *ensemble, const char *key, const char *path, int *curves)
+{
+    FILE *out;
+    TRY(script_open(path, "series", &out));
+    fprintf(out,
+            "set colorsequence podo\n"
             "set key outside above horizontal Left reverse noenhanced\n"
             "set offsets graph 0.02, graph 0.02, graph 0.05, graph 0.05\n"
             "set xlabel '%s' noenhanced\nset ylabel '%s'\n",
@@ -270,14 +281,10 @@ enum status series_liquefaction_write(const struct ensemble *ensemble, const cha
         return STATUS_OK;
     if (snprintf(path, sizeof path, "%s/liquefaction.gp", directory) >= (int)sizeof path)
         return status_fail(STATUS_USAGE, "%.60s...: the path is too long", directory);
-    FILE *out = fopen(path, "w");
-    if (!out)
-        return status_fail(STATUS_IO, "%s: %s", path, strerror(errno));
+    FILE *out;
+    TRY(script_open(path, "liquefaction", &out));
     fprintf(out,
-            "# Made by analyzer; run `gnuplot liquefaction.gp` here to make the plot again.\n"
-            "set encoding utf8\nset datafile separator ','\nset datafile missing 'nan'\n"
-            "set terminal svg size 720,500 enhanced font 'DejaVu Sans,15' background 'white'\n"
-            "set output 'liquefaction.svg'\nset grid\nset logscale x\nset yrange [0:*]\nunset key\n"
+            "set logscale x\nset yrange [0:*]\nunset key\n"
             "set offsets 0, 0, graph 0.05, 0\n"
             "set xlabel 'cycles to liquefaction'\nset ylabel 'cyclic stress ratio q_{cyc}/(2 p_0)'\n"
             "plot 'series.csv' using %d:%d with points pointtype 7\nunset output\n",

@@ -87,7 +87,8 @@ LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
  * - normal_energy (not if PER_PAIR): what the elastic force at delta holds;
  * - if PER_PAIR: struct pair, pair_of: of each contact the elastic force, the damping gamma_n [kg/s] and what it holds
  * [J];
- * - normal_sums, normal_totals, normal_sums_close, normal_hysteresis_j: what it loses by itself. */
+ * - normal_sums, normal_totals, normal_sums_close, normal_hysteresis_j: what it loses by itself.
+ * A law that remembers or loses nothing includes normal_memoryless_tmpl.h, normal_lossless_tmpl.h. */
 #define NORMAL_LANES
 #include NORMAL_TEXT
 #undef NORMAL_LANES
@@ -398,6 +399,47 @@ LANES_INLINE void NAME(keep)(const struct NAME(law) * law, struct NAME(touch) * 
     real reduced = NAME(ratio)(touch->kinetic * per, real_larger(pull2, real_all(0x1p-120)));
     touch->factor = real_select(slides, reduced, one);
     real_store(memory->sliding, real_where(real_and(slides, touch->active), one));
+}
+
+/* A contact slips: what it remembers goes back by `back` of the test force (0: it sticks). Forces, with what it keeps
+ * of the test force, and moment. */
+LANES_INLINE void NAME(slip_by)(real back, const struct NAME(touch) * touch, const struct NAME(memory) * memory,
+                                struct NAME(contact_result) * result)
+{
+    const real *n = touch->n;
+    real pull[SPRINGS];
+    for (int c = 0; c < SPRINGS; c++) {
+        real after = real_fma(-back, touch->pull[c], touch->moved[c]);
+#if SINGLE
+        real spring = real_load(memory->spring[c]), change = after;
+        after = spring + change;
+        real_store(memory->rest[c], real_where(touch->active, change - (after - spring)));
+#endif
+        real_store(memory->spring[c], real_where(touch->active, after));
+        pull[c] = touch->factor * touch->pull[c]; /* the tangential force on j */
+    }
+#if DIM == 2
+    result->force[0] = real_fma(touch->pressing, n[0], -pull[0] * n[1]);
+    result->force[1] = real_fma(touch->pressing, n[1], pull[0] * n[0]);
+    result->moment[0] = -touch->arm * pull[0];
+#else
+    for (int c = 0; c < 3; c++) {
+        result->force[c] = real_fma(touch->pressing, n[c], pull[c]);
+        result->moment[c] = touch->arm * NAME(cross)(pull, n, c);
+    }
+#endif
+}
+
+LANES_INLINE void NAME(friction_sums_close)(struct NAME(sums) * sums, struct NAME(totals) * totals)
+{
+    NAME(close)(&sums->vt2, &totals->vt2);
+    NAME(close)(&sums->slip, &totals->slip);
+    NAME(close)(&sums->slip2, &totals->slip2);
+    NAME(close)(&sums->power, &totals->power);
+#if MINDLIN
+    NAME(close)(&sums->power_t, &totals->power_t);
+    NAME(close)(&sums->stiffness, &totals->stiffness);
+#endif
 }
 
 #include TANGENTIAL_TEXT

@@ -57,13 +57,7 @@ struct NAME(normal_memory) {
     scalar *contact_radius; /* of the step before; with friction */
 };
 
-struct NAME(normal_sums) {
-    char none;
-};
-
-struct NAME(normal_totals) {
-    char none;
-};
+#include "sim/law/normal_lossless_tmpl.h"
 
 /* What differs from contact to contact. Open ones go on with the contact radius that they had, or with that of an
  * overlap of the whole radius, so that their lanes stay finite. */
@@ -155,20 +149,5 @@ LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(void *const *hist
     memory.contact_radius = (scalar *)history[HISTORY_CONTACT_RADIUS] + slot;
 #endif
     return memory;
-}
-
-LANES_INLINE void NAME(normal_sums_close)(struct NAME(normal_sums) * sums, struct NAME(normal_totals) * totals)
-{
-    (void)sums;
-    (void)totals;
-}
-
-LANES_INLINE double NAME(normal_hysteresis_j)(const struct NAME(normal_totals) * totals, const double *constant,
-                                              double unit)
-{
-    (void)totals;
-    (void)constant;
-    (void)unit;
-    return 0;
 }
 #endif

@@ -32,17 +32,8 @@ LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant,
     return (struct NAME(normal_law)){.k = (scalar)(constant[LINEAR_K] * unit)};
 }
 
-struct NAME(normal_memory) {
-    char none;
-};
-
-struct NAME(normal_sums) {
-    char none;
-};
-
-struct NAME(normal_totals) {
-    char none;
-};
+#include "sim/law/normal_lossless_tmpl.h"
+#include "sim/law/normal_memoryless_tmpl.h"
 
 LANES_INLINE real NAME(normal_elastic)(const struct NAME(normal_law) * law, real delta,
                                        const struct NAME(normal_memory) * memory, struct NAME(normal_sums) * sums)
@@ -63,27 +54,5 @@ LANES_INLINE real NAME(normal_energy)(const struct NAME(normal_law) * law, real 
 {
     (void)delta;
     return elastic * elastic / real_all(2 * law->k);
-}
-
-LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(void *const *history, size_t slot)
-{
-    (void)history;
-    (void)slot;
-    return (struct NAME(normal_memory)){0};
-}
-
-LANES_INLINE void NAME(normal_sums_close)(struct NAME(normal_sums) * sums, struct NAME(normal_totals) * totals)
-{
-    (void)sums;
-    (void)totals;
-}
-
-LANES_INLINE double NAME(normal_hysteresis_j)(const struct NAME(normal_totals) * totals, const double *constant,
-                                              double unit)
-{
-    (void)totals;
-    (void)constant;
-    (void)unit;
-    return 0;
 }
 #endif

@@ -46,39 +46,11 @@ LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(tou
                              const struct NAME(memory) * memory, struct NAME(contact_result) * result,
                              struct NAME(sums) * sums)
 {
-    const real *n = touch->n;
-    real q = (real_all(1.0) - touch->factor) * real_all(law->inv_kt), slip = q * touch->pull2, pull[SPRINGS];
+    const real q = (real_all(1.0) - touch->factor) * real_all(law->inv_kt), slip = q * touch->pull2;
     sums->slip = sums->slip + slip;
     sums->slip2 = real_fma(q, slip, sums->slip2);
     sums->power = real_fma(q, touch->power, sums->power);
-    for (int c = 0; c < SPRINGS; c++) {
-        real after = real_fma(-q, touch->pull[c], touch->moved[c]);
-#if SINGLE
-        real spring = real_load(memory->spring[c]), change = after;
-        after = spring + change;
-        real_store(memory->rest[c], real_where(touch->active, change - (after - spring)));
-#endif
-        real_store(memory->spring[c], real_where(touch->active, after));
-        pull[c] = touch->factor * touch->pull[c]; /* the tangential force on j */
-    }
-#if DIM == 2
-    result->force[0] = real_fma(touch->pressing, n[0], -pull[0] * n[1]);
-    result->force[1] = real_fma(touch->pressing, n[1], pull[0] * n[0]);
-    result->moment[0] = -touch->arm * pull[0];
-#else
-    for (int c = 0; c < 3; c++) {
-        result->force[c] = real_fma(touch->pressing, n[c], pull[c]);
-        result->moment[c] = touch->arm * NAME(cross)(pull, n, c);
-    }
-#endif
-}
-
-LANES_INLINE void NAME(friction_sums_close)(struct NAME(sums) * sums, struct NAME(totals) * totals)
-{
-    NAME(close)(&sums->vt2, &totals->vt2);
-    NAME(close)(&sums->slip, &totals->slip);
-    NAME(close)(&sums->slip2, &totals->slip2);
-    NAME(close)(&sums->power, &totals->power);
+    NAME(slip_by)(q, touch, memory, result);
 }
 
 LANES_INLINE void NAME(friction_totals_add)(const struct NAME(totals) * totals, const struct contact_law_constants *law,
