@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "common/direct.h"
+#include "common/udp_receiver.h"
 
 #define DEFAULT_URL      "udpm://239.255.76.67:7667?ttl=0"
 #define RECV_BUF_SIZE    "recv_buf_size=4194304"
@@ -126,12 +126,12 @@ static enum status open_url(struct bus *bus, const char *url, bool direct)
     const char *key = getenv("SHAKEDOWN_KEY");
     if (key && *key && starts_with(full, UDPM_SCHEME))
         TRY(seal_create(&bus->seal, key));
-    if (direct && direct_open(&bus->direct, full) != STATUS_OK) {
+    if (direct && udp_receiver_open(&bus->receiver, full) != STATUS_OK) {
         bus_close(bus);
         return open_failure(full);
     }
-    bus->lcm = bus->direct ? lcm_create(full) : lcm_create_quiet(full, &receives);
-    if (receives || (bus->direct && bus->lcm))
+    bus->lcm = bus->receiver ? lcm_create(full) : lcm_create_quiet(full, &receives);
+    if (receives || (bus->receiver && bus->lcm))
         return STATUS_OK;
     bus_close(bus);
     return open_failure(full);
@@ -171,7 +171,7 @@ static void seal_close(struct bus *bus)
 
 void bus_close(struct bus *bus)
 {
-    direct_close(bus->direct);
+    udp_receiver_close(bus->receiver);
     if (bus->lcm)
         lcm_destroy(bus->lcm);
     if (event_writer_close(bus->log) != STATUS_OK)
@@ -236,8 +236,8 @@ static enum status subscribe(struct bus *bus, const char *channel, lcm_msg_handl
     char pattern[2 * CHANNEL_NAME_MAX + 1];
     *handle = NULL;
     TRY(channel_escape(channel, pattern));
-    if (bus->direct)
-        return direct_subscribe(bus->direct, channel, handler, user, handle);
+    if (bus->receiver)
+        return udp_receiver_subscribe(bus->receiver, channel, handler, user, handle);
     lcm_subscription_t *subscription = lcm_subscribe(bus->lcm, pattern, handler, user);
     *handle = subscription;
     if (!subscription)
@@ -275,8 +275,8 @@ void bus_unsubscribe(struct bus *bus, void *handle)
 {
     const struct listener *listener = handle; /* freed with the bus */
     void *subscription = bus->seal && listener ? listener->subscription : handle;
-    if (bus->direct)
-        direct_unsubscribe(bus->direct, subscription);
+    if (bus->receiver)
+        udp_receiver_unsubscribe(bus->receiver, subscription);
     else if (subscription && lcm_unsubscribe(bus->lcm, subscription) != 0)
         fprintf(stderr, "shakedown: warning: LCM does not know a subscription that is to end\n");
 }
@@ -342,8 +342,8 @@ enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
         return STATUS_OK;
     if (bus->replay)
         return log_handle(bus, handled);
-    if (bus->direct)
-        return direct_handle(bus->direct, timeout_ms, handled);
+    if (bus->receiver)
+        return udp_receiver_handle(bus->receiver, timeout_ms, handled);
     struct pollfd waiting = {.fd = lcm_get_fileno(bus->lcm), .events = POLLIN};
     int ready = poll(&waiting, 1, timeout_ms);
     if (ready < 0 && errno != EINTR)

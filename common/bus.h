@@ -42,9 +42,9 @@ enum { BUS_MESSAGE_MAX = 60000 };
 struct listener;
 
 struct bus {
-    struct direct *direct; /* receives instead of LCM; NULL: LCM does */
-    lcm_t *lcm;            /* NULL: not open. Publish through bus_publish: a log that is written does not hear of it */
-    bool is_log;           /* file:// URL: nobody answers */
+    struct udp_receiver *receiver; /* receives instead of LCM; NULL: LCM does */
+    lcm_t *lcm;  /* NULL: not open. Publish through bus_publish: a log that is written does not hear of it */
+    bool is_log; /* file:// URL: nobody answers */
     struct event_writer *log;    /* a log that is written */
     struct seal *seal;           /* messages without it are not ours; NULL: all are taken */
     struct listener *listeners;  /* of a sealed bus */
@@ -57,8 +57,8 @@ struct bus {
  * STATUS_BUS with the likely cause (no multicast route) on failure. */
 enum status bus_open(struct bus *bus, const char *url) MUST_USE;
 
-/* The same, but receives in the caller's thread (common/direct.h) where the URL lets it: quick answers, for those who
- * take few and small messages and never pause for long. */
+/* The same, but receives in the caller's thread (common/udp_receiver.h) where the URL lets it: quick answers, for those
+ * who take few and small messages and never pause for long. */
 enum status bus_open_direct(struct bus *bus, const char *url) MUST_USE;
 void bus_close(struct bus *bus);
 

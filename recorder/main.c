@@ -7,8 +7,8 @@
 
 #include "common/command_line.h"
 #include "common/signals.h"
+#include "recorder/bus_recording.h"
 #include "recorder/convert.h"
-#include "recorder/live.h"
 #include "recorder/verify.h"
 
 static const char USAGE[] =
@@ -81,8 +81,9 @@ static void report_drops(const struct recording_drops *drops)
 
 static enum status run(const struct arguments *arguments, struct recording *recording)
 {
-    const struct live_options options = {.lcm_url = arguments->line.lcm_url, .timeout_s = arguments->timeout_s};
-    return arguments->from ? convert_log(recording, arguments->from) : live_record(recording, &options);
+    const struct bus_recording_options options = {.lcm_url = arguments->line.lcm_url,
+                                                  .timeout_s = arguments->timeout_s};
+    return arguments->from ? convert_log(recording, arguments->from) : bus_recording_record(recording, &options);
 }
 
 static enum status record(const struct arguments *arguments)

@@ -231,7 +231,7 @@ static void direct_hears_what_lcm_says(void **unused)
     (void)unused;
     must(bus_open(&lcm, NULL));
     must(bus_open_direct(&direct, NULL));
-    assert_non_null(direct.direct);
+    assert_non_null(direct.receiver);
     must(bus_subscribe(&direct, "WALL_COMMAND", hear, &walls));
     must(bus_subscribe_for_a_while(&direct, "RECORD_ACK", hear, &ack, &handle));
     must(bus_subscribe(&lcm, "WALL_STATE", hear, &back));
@@ -301,7 +301,7 @@ static void a_missing_route_is_named(void **unused)
         struct bus bus;
         if (unshare(CLONE_NEWNET) != 0 || !freopen("/dev/null", "w", stderr)) /* LCM's own advice is long */
             _exit(2);
-        if (bus_open(&bus, NULL) != STATUS_BUS || bus.lcm || bus_open_direct(&bus, NULL) != STATUS_BUS || bus.direct)
+        if (bus_open(&bus, NULL) != STATUS_BUS || bus.lcm || bus_open_direct(&bus, NULL) != STATUS_BUS || bus.receiver)
             _exit(3);
         _exit(strstr(status_message(), "ip route add 224.0.0.0/4 dev lo") ? 0 : 4);
     }

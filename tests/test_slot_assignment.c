@@ -27,24 +27,24 @@ static int owner_of(const struct contact_list *list, int k)
 }
 
 /* Row r is one of block b, but not that of neighbours in the order. */
-static bool is_row_of(const struct slot_assignment *deal, int b, int r)
+static bool is_row_of(const struct slot_assignment *assignment, int b, int r)
 {
-    for (int k = 0; k < slot_assignment_rows(deal, b); k++)
-        if (slot_assignment_row(deal, b, k) == r)
+    for (int k = 0; k < slot_assignment_rows(assignment, b); k++)
+        if (slot_assignment_row(assignment, b, k) == r)
             return true;
     return false;
 }
 
 /* Rows of whole sets belong to blocks that share SET_WIDTH particles side by side, each row in its place. */
-static void check_whole(const struct slot_assignment *deal, int b, int row)
+static void check_whole(const struct slot_assignment *assignment, int b, int row)
 {
-    const int shares = SET_WIDTH / deal->width, s = deal->width * b / SPAN_WIDTH, set = row / shares;
-    assert_in_range(set, slot_assignment_whole_set(deal, s), deal->span[s + 1] - 1);
-    if (set >= slot_assignment_halves_set(deal, s))
+    const int shares = SET_WIDTH / assignment->width, s = assignment->width * b / SPAN_WIDTH, set = row / shares;
+    assert_in_range(set, slot_assignment_whole_set(assignment, s), assignment->span[s + 1] - 1);
+    if (set >= slot_assignment_halves_set(assignment, s))
         return;
     assert_int_equal(row % shares, b % shares);
     for (int h = 0; h < shares; h++)
-        assert_true(is_row_of(deal, b - b % shares + h, set * shares + h));
+        assert_true(is_row_of(assignment, b - b % shares + h, set * shares + h));
 }
 
 /* Places half a row apart have not the same partner, for kernels add to the sums of both at once. */
@@ -64,13 +64,13 @@ static void check_apart(const struct contact_list *list)
 
 /* Deals the list out, checks the slots and returns the number of rows but those of neighbours in the order;
  * *others: pairs in them, may be NULL. */
-static int check_deal(struct contact_list *list, int n_particles, int width, int *others)
+static int check_assignment(struct contact_list *list, int n_particles, int width, int *others)
 {
-    struct slot_assignment deal;
-    must(slot_assignment_make(list, n_particles, width, SPAN_WIDTH, &deal));
-    assert_int_equal(deal.n_blocks, (n_particles + width - 1) / width);
-    assert_int_equal(deal.n_spans, (n_particles + SPAN_WIDTH - 1) / SPAN_WIDTH);
-    assert_int_equal(deal.span[deal.n_spans], list->n_sets);
+    struct slot_assignment assignment;
+    must(slot_assignment_make(list, n_particles, width, SPAN_WIDTH, &assignment));
+    assert_int_equal(assignment.n_blocks, (n_particles + width - 1) / width);
+    assert_int_equal(assignment.n_spans, (n_particles + SPAN_WIDTH - 1) / SPAN_WIDTH);
+    assert_int_equal(assignment.span[assignment.n_spans], list->n_sets);
     int rows = 0, n_others = 0;
     bool *taken = calloc((size_t)list->n_sets * SET_WIDTH + 1, sizeof *taken),
          *used = calloc(2 * (size_t)list->n_sets + 1, 1);
@@ -78,9 +78,9 @@ static int check_deal(struct contact_list *list, int n_particles, int width, int
     for (int k = 0; k < list->count; k++) {
         const int slot = (int)(list->slot[k] / 2), row = slot / width, owner = owner_of(list, k);
         const int b = owner / width, s = owner / SPAN_WIDTH;
-        assert_in_range(slot / SET_WIDTH, deal.span[s], deal.span[s + 1] - 1);
-        if (!deal.chained || row != slot_assignment_chain_row(&deal, b)) {
-            assert_true(is_row_of(&deal, b, row));
+        assert_in_range(slot / SET_WIDTH, assignment.span[s], assignment.span[s + 1] - 1);
+        if (!assignment.chained || row != slot_assignment_chain_row(&assignment, b)) {
+            assert_true(is_row_of(&assignment, b, row));
             n_others++;
         } else {
             assert_true(owner == list->i[k] && list->j[k] == owner + 1);
@@ -89,14 +89,15 @@ static int check_deal(struct contact_list *list, int n_particles, int width, int
         assert_false(taken[slot]);
         taken[slot] = used[row] = true;
     }
-    for (int b = 0; b < deal.n_blocks; b++) /* none is empty but of neighbours in the order, none has two blocks */
-        for (int k = 0; k < slot_assignment_rows(&deal, b); k++, rows++) {
-            const int row = slot_assignment_row(&deal, b, k);
-            check_whole(&deal, b, row);
+    for (int b = 0; b < assignment.n_blocks;
+         b++) /* none is empty but of neighbours in the order, none has two blocks */
+        for (int k = 0; k < slot_assignment_rows(&assignment, b); k++, rows++) {
+            const int row = slot_assignment_row(&assignment, b, k);
+            check_whole(&assignment, b, row);
             assert_true(used[row]);
             used[row] = false;
         }
-    const int all = rows + (deal.chained ? deal.n_blocks : 0), most = all + 2 * deal.n_spans;
+    const int all = rows + (assignment.chained ? assignment.n_blocks : 0), most = all + 2 * assignment.n_spans;
     assert_in_range(SET_WIDTH * list->n_sets, width * all, width * most);
     free(taken);
     free(used);
@@ -111,13 +112,13 @@ static int check_deal(struct contact_list *list, int n_particles, int width, int
 static void check_repeats(const struct contact_list *list, int n_particles, int width)
 {
     struct contact_list again = list_of(list->count);
-    struct slot_assignment deal;
+    struct slot_assignment assignment;
     for (int k = 0; k < list->count; k++)
         add(&again, list->i[k], list->j[k]);
     again.search_max = list->search_max;
     again.model.single = list->model.single;
     for (int round = 0; round < 2; round++) {
-        must(slot_assignment_make(&again, n_particles, width, SPAN_WIDTH, &deal));
+        must(slot_assignment_make(&again, n_particles, width, SPAN_WIDTH, &assignment));
         assert_memory_equal(again.slot, list->slot, (size_t)list->count * sizeof *list->slot);
     }
     contact_list_free(&again);
@@ -147,7 +148,7 @@ static void a_lattice_fills_its_sets(void **state)
     for (int n = 0; n < 3; n++) {
         struct contact_list list = lattice(64, 2);
         list.search_max = visits[n];
-        int others, rows = check_deal(&list, 64 * 64, SET_WIDTH, &others);
+        int others, rows = check_assignment(&list, 64 * 64, SET_WIDTH, &others);
         double part = (double)others / (rows * SET_WIDTH);
         print_message("%d visits: %.3f filled\n", visits[n], part);
         assert_true(part > filled[n] && part <= 1);
@@ -163,7 +164,7 @@ static void neighbours_in_the_order_have_their_sets(void **state)
     enum { SIDE = 64, N = SIDE * SIDE };
     (void)state;
     struct contact_list list = lattice(SIDE, 1);
-    int next = 0, others, rows = check_deal(&list, N, SET_WIDTH, &others);
+    int next = 0, others, rows = check_assignment(&list, N, SET_WIDTH, &others);
     for (int k = 0; k < list.count; k++)
         next += list.j[k] == list.i[k] + 1 && list.j[k] % SPAN_WIDTH != 0;
     assert_true(next > 0.6 * N);
@@ -190,7 +191,7 @@ static void every_pair_has_one_slot(void **state)
             }
             list.search_max = pairs % 3 ? 12 : 0;
             list.model.single = c % 2;
-            check_deal(&list, count[c], pairs % 5 < 3 ? HALF_WIDTH : SET_WIDTH, NULL);
+            check_assignment(&list, count[c], pairs % 5 < 3 ? HALF_WIDTH : SET_WIDTH, NULL);
             check_repeats(&list, count[c], pairs % 5 < 3 ? HALF_WIDTH : SET_WIDTH);
             contact_list_free(&list);
         }
@@ -204,19 +205,19 @@ static void crowded_blocks_get_their_sets(void **state)
     struct contact_list star = list_of(STAR), crowd = list_of(CROWD * CROWD / 2);
     for (int k = 1; k <= STAR; k++)
         add(&star, 0, k);
-    int rows = check_deal(&star, STAR + 1, SET_WIDTH, NULL);
+    int rows = check_assignment(&star, STAR + 1, SET_WIDTH, NULL);
     assert_true(rows <= (STAR + SET_WIDTH) / SET_WIDTH); /* one for each block: the others have them */
     for (int a = 0; a < CROWD; a++)
         for (int b = 0; b < a; b++)
             add(&crowd, b, a);
     int others;
-    rows = check_deal(&crowd, CROWD, SET_WIDTH, &others);
+    rows = check_assignment(&crowd, CROWD, SET_WIDTH, &others);
     assert_int_equal(others, crowd.count - (CROWD - 1)); /* each has the next one as a partner */
     assert_true(others > 0.8 * rows * SET_WIDTH);
     check_repeats(&crowd, CROWD, SET_WIDTH);
     star.model.single = crowd.model.single = true;
-    check_deal(&star, STAR + 1, HALF_WIDTH, NULL);
-    check_deal(&crowd, CROWD, HALF_WIDTH, NULL);
+    check_assignment(&star, STAR + 1, HALF_WIDTH, NULL);
+    check_assignment(&crowd, CROWD, HALF_WIDTH, NULL);
     contact_list_free(&star);
     contact_list_free(&crowd);
 }

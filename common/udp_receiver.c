@@ -1,4 +1,4 @@
-#include "common/direct.h"
+#include "common/udp_receiver.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
@@ -28,7 +28,7 @@ struct channel {
     void *user;
 };
 
-struct direct {
+struct udp_receiver {
     int socket;
     int timeout_ms; /* the socket's */
     struct channel channel[CHANNELS_MAX];
@@ -48,25 +48,25 @@ static bool group_of(const char *url, struct sockaddr_in *group)
 }
 
 /* Bound to the group itself: another group on the same port is not received. */
-static bool socket_join(struct direct *direct, const struct sockaddr_in *group)
+static bool socket_join(struct udp_receiver *receiver, const struct sockaddr_in *group)
 {
     const int on = 1, size = RECEIVE_BUFFER;
     struct ip_mreq membership = {.imr_multiaddr = group->sin_addr};
-    direct->socket = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    return direct->socket >= 0 && setsockopt(direct->socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0 &&
-           setsockopt(direct->socket, SOL_SOCKET, SO_REUSEPORT, &on, sizeof on) == 0 &&
-           setsockopt(direct->socket, SOL_SOCKET, SO_RCVBUF, &size, sizeof size) == 0 &&
-           bind(direct->socket, (const struct sockaddr *)group, sizeof *group) == 0 &&
-           setsockopt(direct->socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0;
+    receiver->socket = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    return receiver->socket >= 0 && setsockopt(receiver->socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0 &&
+           setsockopt(receiver->socket, SOL_SOCKET, SO_REUSEPORT, &on, sizeof on) == 0 &&
+           setsockopt(receiver->socket, SOL_SOCKET, SO_RCVBUF, &size, sizeof size) == 0 &&
+           bind(receiver->socket, (const struct sockaddr *)group, sizeof *group) == 0 &&
+           setsockopt(receiver->socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0;
 }
 
 /* Classic BPF: name and NUL of each channel, byte by byte; whatever is none of them is dropped. */
-static bool socket_filter(const struct direct *direct)
+static bool socket_filter(const struct udp_receiver *receiver)
 {
     struct sock_filter code[FILTER_MAX];
     unsigned short n = 0;
     for (int c = 0; c < CHANNELS_MAX; c++) {
-        const char *name = direct->channel[c].name;
+        const char *name = receiver->channel[c].name;
         const unsigned length = (unsigned)strlen(name) + 1;
         if (length == 1)
             continue;
@@ -80,99 +80,100 @@ static bool socket_filter(const struct direct *direct)
     }
     code[n++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, 0);
     const struct sock_fprog program = {.len = n, .filter = code};
-    return setsockopt(direct->socket, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof program) == 0;
+    return setsockopt(receiver->socket, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof program) == 0;
 }
 
-enum status direct_open(struct direct **result, const char *url)
+enum status udp_receiver_open(struct udp_receiver **result, const char *url)
 {
     struct sockaddr_in group;
     *result = NULL;
     if (!group_of(url, &group))
         return STATUS_OK;
-    struct direct *direct = calloc(1, sizeof *direct);
-    if (!direct)
+    struct udp_receiver *receiver = calloc(1, sizeof *receiver);
+    if (!receiver)
         return status_fail(STATUS_NO_MEMORY, "no memory for a receiver");
-    if (!socket_join(direct, &group) || !socket_filter(direct)) {
+    if (!socket_join(receiver, &group) || !socket_filter(receiver)) {
         enum status status =
             status_fail(STATUS_BUS, "cannot receive from the LCM bus \"%s\": %s", url, strerror(errno));
-        direct_close(direct);
+        udp_receiver_close(receiver);
         return status;
     }
-    *result = direct;
+    *result = receiver;
     return STATUS_OK;
 }
 
-void direct_close(struct direct *direct)
+void udp_receiver_close(struct udp_receiver *receiver)
 {
-    if (direct && direct->socket >= 0)
-        close(direct->socket);
-    free(direct);
+    if (receiver && receiver->socket >= 0)
+        close(receiver->socket);
+    free(receiver);
 }
 
-enum status direct_subscribe(struct direct *direct, const char *name, lcm_msg_handler_t handler, void *user,
-                             void **handle)
+enum status udp_receiver_subscribe(struct udp_receiver *receiver, const char *name, lcm_msg_handler_t handler,
+                                   void *user, void **handle)
 {
     *handle = NULL;
     for (int c = 0; c < CHANNELS_MAX; c++) {
-        struct channel *channel = &direct->channel[c];
+        struct channel *channel = &receiver->channel[c];
         if (channel->name[0])
             continue;
         *channel = (struct channel){.handler = handler, .user = user};
         snprintf(channel->name, sizeof channel->name, "%s", name);
         *handle = channel;
-        return socket_filter(direct) ? STATUS_OK
-                                     : status_fail(STATUS_BUS, "cannot subscribe to %s: %s", name, strerror(errno));
+        return socket_filter(receiver) ? STATUS_OK
+                                       : status_fail(STATUS_BUS, "cannot subscribe to %s: %s", name, strerror(errno));
     }
     return status_fail(STATUS_LIMIT, "no more than %d channels are received directly", CHANNELS_MAX);
 }
 
-void direct_unsubscribe(struct direct *direct, void *handle)
+void udp_receiver_unsubscribe(struct udp_receiver *receiver, void *handle)
 {
     struct channel *channel = handle;
     if (!channel)
         return;
     channel->name[0] = '\0';
-    (void)socket_filter(direct); /* without it, what still comes has no handler */
+    (void)socket_filter(receiver); /* without it, what still comes has no handler */
 }
 
-static bool receive(struct direct *direct, int timeout_ms, size_t *size)
+static bool receive(struct udp_receiver *receiver, int timeout_ms, size_t *size)
 {
-    if (timeout_ms > 0 && timeout_ms != direct->timeout_ms) {
+    if (timeout_ms > 0 && timeout_ms != receiver->timeout_ms) {
         struct timeval timeout = {.tv_sec = timeout_ms / 1000, .tv_usec = timeout_ms % 1000 * 1000};
-        if (setsockopt(direct->socket, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout) == 0)
-            direct->timeout_ms = timeout_ms;
+        if (setsockopt(receiver->socket, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout) == 0)
+            receiver->timeout_ms = timeout_ms;
     }
-    ssize_t got = recv(direct->socket, direct->datagram, sizeof direct->datagram, timeout_ms > 0 ? 0 : MSG_DONTWAIT);
+    ssize_t got =
+        recv(receiver->socket, receiver->datagram, sizeof receiver->datagram, timeout_ms > 0 ? 0 : MSG_DONTWAIT);
     *size = got > 0 ? (size_t)got : 0;
     return got >= 0;
 }
 
 /* The handlers of a datagram's channel; true if there was one. */
-static bool dispatch(struct direct *direct, size_t size)
+static bool dispatch(struct udp_receiver *receiver, size_t size)
 {
-    const char *name = (const char *)direct->datagram + MESSAGE_HEADER;
+    const char *name = (const char *)receiver->datagram + MESSAGE_HEADER;
     bool handled = false;
-    if (size <= MESSAGE_HEADER || memcmp(direct->datagram, MAGIC, MAGIC_SIZE) != 0)
+    if (size <= MESSAGE_HEADER || memcmp(receiver->datagram, MAGIC, MAGIC_SIZE) != 0)
         return false;
     const size_t length = strnlen(name, size - MESSAGE_HEADER) + 1;
     if (length > size - MESSAGE_HEADER || length > NAME_MAX_LENGTH + 1 || length == 1)
         return false;
-    lcm_recv_buf_t buffer = {.data = direct->datagram + MESSAGE_HEADER + length,
+    lcm_recv_buf_t buffer = {.data = receiver->datagram + MESSAGE_HEADER + length,
                              .data_size = (uint32_t)(size - MESSAGE_HEADER - length)};
     for (int c = 0; c < CHANNELS_MAX; c++)
-        if (strcmp(direct->channel[c].name, name) == 0) {
-            direct->channel[c].handler(&buffer, name, direct->channel[c].user);
+        if (strcmp(receiver->channel[c].name, name) == 0) {
+            receiver->channel[c].handler(&buffer, name, receiver->channel[c].user);
             handled = true;
         }
     return handled;
 }
 
-enum status direct_handle(struct direct *direct, int timeout_ms, bool *handled)
+enum status udp_receiver_handle(struct udp_receiver *receiver, int timeout_ms, bool *handled)
 {
     size_t size;
     *handled = false;
-    if (receive(direct, timeout_ms, &size))
-        *handled = dispatch(direct, size);
+    if (receive(receiver, timeout_ms, &size))
+        *handled = dispatch(receiver, size);
     else if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)
         return status_fail(STATUS_BUS, "cannot receive from the bus: %s", strerror(errno));
     return STATUS_OK;
