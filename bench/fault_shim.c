@@ -1,9 +1,12 @@
 /* Faults at stated points, for tests and ./shakedown bench faults: preloaded (LD_PRELOAD) into the processes of a run.
  *
- * FAULTS_AT=NAME:CALL:N:SIGNAL[,...]  process NAME gets SIGNAL (KILL, STOP, TERM, INT, HUP) right after its N-th call
- * of rename, fsync, write or send (a datagram) FAULTS_ONCE=PATH                    each of these strikes once in all,
- * and leaves the file PATH.K (K = 0, 1, ...) FAULTS_NET=loss=P,duplicate=P,reorder=P,delay_s=T[,seed=N] datagrams of
- * all processes: probabilities, and a delay; `reorder` delays by 1 ms more, so that later ones overtake */
+ * FAULTS_AT=NAME:CALL:N:SIGNAL[,...]: process NAME gets SIGNAL (KILL, STOP, TERM, INT, HUP) right after its N-th call
+ * of rename, fsync, write or send (a datagram); `log`: an fsync of an event log.
+ *
+ * FAULTS_ONCE=PATH: each of these strikes once in all, and leaves the file PATH.K (K = 0, 1, ...).
+ *
+ * FAULTS_NET=loss=P,duplicate=P,reorder=P,delay_s=T[,seed=N]: datagrams of all processes: probabilities, and a delay;
+ * `reorder` delays by 1 ms more, so that later ones overtake. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -19,7 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum call { CALL_RENAME, CALL_FSYNC, CALL_WRITE, CALL_SEND, CALLS };
+enum call { CALL_RENAME, CALL_FSYNC, CALL_WRITE, CALL_SEND, CALL_LOG, CALLS };
 enum { STRIKES_MAX = 64, WORD_MAX = 32 };
 static const double OVERTAKEN_S = 1e-3;
 
@@ -96,7 +99,7 @@ static int signal_of(const char *name)
 
 static enum call call_of(const char *name)
 {
-    static const char *const names[CALLS] = {"rename", "fsync", "write", "send"};
+    static const char *const names[CALLS] = {"rename", "fsync", "write", "send", "log"};
     enum call call = 0;
     while (call < CALLS && strcmp(names[call], name) != 0)
         call++;
@@ -153,11 +156,21 @@ int rename(const char *from, const char *to)
     return result;
 }
 
+static bool is_event_log(int file)
+{
+    char link[64], path[4096];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    const ssize_t length = readlink(link, path, sizeof path);
+    return length > 4 && memcmp(path + length - 4, ".lcm", 4) == 0;
+}
+
 int fsync(int file)
 {
     find_originals();
     int result = real_fsync(file);
     count(CALL_FSYNC);
+    if (is_event_log(file))
+        count(CALL_LOG);
     return result;
 }
 

@@ -206,6 +206,16 @@ void message_free(int kind, union message *message)
     memset(message, 0, sizeof *message);
 }
 
+bool message_is_good_end(const char *channel, const void *data, size_t size)
+{
+    union message message;
+    if (message_kind(channel) != RECORD_END || message_decode(RECORD_END, data, size, &message) != STATUS_OK)
+        return false;
+    const bool good = message.end.status == STATUS_OK;
+    message_free(RECORD_END, &message);
+    return good;
+}
+
 enum { INT64_BYTES = 8, HEADER_BYTES = 5 * INT64_BYTES };
 
 static uint64_t big_endian(const unsigned char *bytes, int count)

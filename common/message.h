@@ -60,6 +60,9 @@ int message_kind(const char *channel);
 enum status message_decode(int kind, const void *data, size_t size, union message *message) MUST_USE;
 void message_free(int kind, union message *message);
 
+/* Whether it is the END of a run that went well. */
+bool message_is_good_end(const char *channel, const void *data, size_t size);
+
 /* The first fields of every message, with the type's fingerprint before them. */
 struct message_header {
     int64_t fingerprint;

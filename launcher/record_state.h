@@ -10,4 +10,8 @@
  * a file that is not there or cannot be read. */
 bool record_is_complete(const struct run_folder *folder);
 
+/* Whether run.lcm holds the same: undamaged, and END of a run that went well is its last message. Without a complete
+ * run.h5 it is what a kill leaves that comes just before run.h5 is in place. */
+bool log_is_complete(const struct run_folder *folder);
+
 #endif

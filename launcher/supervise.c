@@ -217,12 +217,29 @@ static void restart_from_checkpoint(struct supervisor *s, enum role role, int co
     child_signal(&s->child[ROLE_RECORDER], SIGTERM);
 }
 
+/* In run.h5, or in the log from which it is made. */
+static bool all_is_recorded(const struct supervisor *s)
+{
+    return record_is_complete(&s->launch->folder) || log_is_complete(&s->launch->folder);
+}
+
+/* A recorder that was killed when it had all: the others wait for it in vain. */
+static void end_recorded(struct supervisor *s, int code)
+{
+    char text[END_TEXT_MAX];
+    end_text(text, code);
+    say("%s %s, when it had recorded all of the run", s->child[ROLE_RECORDER].name, text);
+    s->restarting = true; /* the end of sim says nothing then */
+    wait_at_most(s, RESTART_WAIT_S);
+    child_signal(&s->child[ROLE_SIM], SIGKILL);
+}
+
 static void finish_restart(struct supervisor *s)
 {
     if (!s->restarting || is_running(s, ROLE_SIM) || is_running(s, ROLE_RECORDER))
         return;
     s->restarting = false;
-    if (s->level != STOP_NONE || record_is_complete(&s->launch->folder)) {
+    if (s->level != STOP_NONE || all_is_recorded(s)) {
         child_signal(&s->child[ROLE_CONTROLLER], SIGTERM);
         return;
     }
@@ -303,6 +320,8 @@ static void note_end_of_recorder(struct supervisor *s, int code)
         return;
     if (is_wish_to_stop(code))
         interrupt(s);
+    else if (s->level == STOP_NONE && code > EXIT_CODE_OF_SIGNAL && all_is_recorded(s))
+        end_recorded(s, code);
     else if (is_running(s, ROLE_SIM) && may_restart(s, ROLE_RECORDER, code))
         restart_from_checkpoint(s, ROLE_RECORDER, code);
     else
@@ -458,6 +477,14 @@ static void begin_part(struct supervisor *s)
     s->deadline_s = INFINITY;
 }
 
+/* Makes run.h5 from the log. */
+static void convert(struct supervisor *s)
+{
+    begin_part(s);
+    start_or_fail(s, ROLE_CONVERTER, false);
+    supervise(s);
+}
+
 /* A run that was refused leaves log and record as they are. */
 static void run_in_process(struct supervisor *s)
 {
@@ -469,9 +496,7 @@ static void run_in_process(struct supervisor *s)
     if (after.size == 0 || (after.size == before.size && after.changed.tv_sec == before.changed.tv_sec &&
                             after.changed.tv_nsec == before.changed.tv_nsec))
         return;
-    begin_part(s);
-    start_or_fail(s, ROLE_CONVERTER, false);
-    supervise(s);
+    convert(s);
 }
 
 static bool can_go_on(int code)
@@ -554,6 +579,18 @@ static void simulate(struct supervisor *s)
         run_over_bus(s);
 }
 
+/* Does what is left of a run: its steps, or only run.h5, if a kill came before the log was made into it. */
+static void go_on(struct supervisor *s)
+{
+    const struct run_folder *folder = &s->launch->folder;
+    if (!log_is_complete(folder))
+        simulate(s);
+    if (s->failure || s->interrupted || record_is_complete(folder) || !log_is_complete(folder))
+        return;
+    say("the log is complete: run.h5 is made from it");
+    convert(s);
+}
+
 static int refuse_complete(const struct run_folder *folder)
 {
     say("error: %s/run.h5 is complete already; evaluate it again with: ./shakedown analyze %s", folder->path,
@@ -569,7 +606,7 @@ int launch_run(const struct launch *launch, double stop_wait_s)
     if (open_signals(&s) != STATUS_OK)
         return status_report("shakedown", STATUS_IO);
     if (!record_is_complete(&launch->folder))
-        simulate(&s);
+        go_on(&s);
     else if (run_folder_has(&launch->folder, "analysis.json"))
         return refuse_complete(&launch->folder);
     forget(launch, "namespace-pid");

@@ -187,18 +187,6 @@ static bool is_checkpoint(const struct event *event, const shakedown_run_info_t 
            header.step == info->step && header.seq == info->resumed_total[RECORD_CHECKPOINT] - 1;
 }
 
-/* Whether it is the END of a run that went well. */
-static bool is_good_end(const struct event *event)
-{
-    union message message;
-    if (strcmp(event->channel, record_channel_name[RECORD_END]) != 0 ||
-        message_decode(RECORD_END, event->data, event->size, &message) != STATUS_OK)
-        return false;
-    bool good = message.end.status == STATUS_OK;
-    message_free(RECORD_END, &message);
-    return good;
-}
-
 /* Finds where in the log the record stands that the checkpoint knows of. */
 static enum status find_checkpoint(struct event_reader *reader, const shakedown_run_info_t *info, int64_t *place)
 {
@@ -207,7 +195,7 @@ static enum status find_checkpoint(struct event_reader *reader, const shakedown_
     *place = -1;
     TRY(event_reader_next(reader, &event, &found));
     while (found) {
-        if (is_good_end(&event))
+        if (message_is_good_end(event.channel, event.data, event.size) && reader->skipped_bytes == 0)
             return status_fail(STATUS_IO, "its run is complete already");
         if (*place < 0 && is_checkpoint(&event, info))
             *place = event_reader_place(reader);

@@ -221,6 +221,40 @@ case_schemes() {
     done
 }
 
+# A kill between END in the log and run.h5 in its place: only run.h5 is to be made, and nothing is computed again. The log
+# of a run over the bus is brought to disk at its two checkpoints, at the ends of the stages, and at END.
+case_kill_after_end() {
+    local how more=(--set checkpoint_interval_s=0)
+    shakedown run "$scene" "${settings[@]}" "${more[@]}" --out whole
+    expect_code 0 $?
+    FAULTS_AT=recorder:log:3:KILL FAULTS_ONCE=$work/struck LD_PRELOAD=$SHAKEDOWN_BIN/bench/fault_shim.so \
+        ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 start_driver "${more[@]}"
+    wait_for driver_ended
+    wait "$driver"
+    expect_code 0 $?
+    expect_text cut.out 'was ended by signal KILL, when it had recorded all of the run'
+    expect_text cut.out 'the log is complete: run.h5 is made from it'
+    expect_same_run whole cut
+    more=()
+    for how in over-the-bus in-process; do # what is left if the launcher is killed too
+        [ "$how" = over-the-bus ] || more=(--in-process)
+        rm -rf whole cut
+        shakedown run "$scene" "${more[@]}" --out whole
+        expect_code 0 $?
+        cp -r whole cut
+        rm cut/run.h5 cut/run.xdmf cut/analysis.json
+        shakedown run --resume cut
+        expect_code 0 $?
+        expect_text last.out 'the log is complete: run.h5 is made from it'
+        [ -f cut/analysis.json ] || fail "not evaluated"
+        expect_same_run whole cut
+        cmp whole/run.lcm cut/run.lcm || fail "the log was touched"
+        shakedown run --resume cut
+        expect_code 5 $?
+        expect_text last.out 'is complete already'
+    done
+}
+
 # Two scenes share one preparation.
 case_series() {
     shakedown run "$scene" --out first --in-process
