@@ -1,11 +1,15 @@
 /* bench_scaling [--dimension 2|3] [--precision double|mixed] [--counts N,N,...] [--threads T,T,...] [--ordered]
- * [--json FILE]: cost of a particle-step against the number of particles, dense packings with the radii and materials
- * of scenes A (2D) and B (3D). A packing is a jittered lattice at the solid fraction that gives the scene's number of
- * contacts, relaxed for a few hundred steps under strong damping. The skin is about what scenes A and B choose when
- * they are tested, for all sizes, so that a particle has as many candidates: tuned, it would be wider the faster the
- * fastest of all particles is. Particles get their places at random, as after long mixing; --ordered keeps them in
- * rows. Times are the least of several blocks; beside them stands what the core could do, the less of before and after
- * (timing.h). */
+ * [--bandwidth GB/s] [--json FILE]: cost of a particle-step against the number of particles, dense packings with the
+ * radii and materials of scenes A (2D) and B (3D). A packing is a jittered lattice at the solid fraction that gives the
+ * scene's number of contacts, relaxed for a few hundred steps under strong damping. The skin is about what scenes A and
+ * B choose when they are tested, for all sizes, so that a particle has as many candidates: tuned, it would be wider the
+ * faster the fastest of all particles is. Particles get their places at random, as after long mixing; --ordered keeps
+ * them in rows. Times are the least of several blocks; beside them stands what the core could do, the less of before
+ * and after (timing.h). Below the rows of a sample, for each number of threads: how many times as fast as with the
+ * first of them, one thread, a step, its parts and a build of the lists are, how much of that number is reached, and
+ * which part of the time would have to be serial to explain it (Amdahl). And a model of a step on more cores
+ * (scaling_model.h) that can move
+ * --bandwidth GB/s together. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <limits.h>
@@ -14,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/scaling_model.h"
 #include "bench/timing.h"
 #include "common/bus.h"
 #include "common/command_line.h"
@@ -65,6 +70,9 @@ struct row {
     double bytes_mb, stream_us; /* that a step moves, and as long as it takes to move as many in order */
     struct timing_core before, after;
     double setup_s, step_us, pair_us, walls_us, drift_us, kick_us, build_us;
+    double *block_us; /* least time of each block, with one thread; NULL: not cut into blocks */
+    int n_blocks, n_pieces;
+    double job_us;          /* a job without pieces that take any time */
     double builds_per_step; /* of the lists, while steps were timed: how fast the particles of this sample move */
 };
 
@@ -143,8 +151,8 @@ static enum status one_pair(struct sample *sample)
 static enum status one_walls(struct sample *sample)
 {
     struct contact_losses losses = {0};
-    for (int w = 0; w < sample->n_walls; w++)
-        sample->kernels.wall(&sample->particles, &sample->walls[w], &sample->law, 0, &losses);
+    threads_walls(&sample->threads, &sample->kernels, &sample->particles, sample->walls, sample->n_walls, &sample->law,
+                  0, &losses);
     return STATUS_OK;
 }
 
@@ -242,6 +250,49 @@ static double bytes_moved(const struct sample *sample)
     return (double)slot * SET_WIDTH * sample->pairs.n_sets + (double)(pair + advance) * p->count;
 }
 
+static void nothing(void *context, int piece)
+{
+    (void)context;
+    (void)piece;
+}
+
+/* With more than one thread: what it takes to hand out a job. */
+static void time_jobs(struct sample *sample, struct row *row)
+{
+    enum { JOBS = 20000 };
+    const double start = clock_now_s();
+    for (int k = 0; k < JOBS; k++)
+        team_run(sample->threads.team, 4 * row->threads, nothing, NULL);
+    row->job_us = 1e6 * (clock_now_s() - start) / JOBS;
+}
+
+/* With one thread: the least time of each block in steps that do not build the lists. */
+static enum status time_blocks(struct sample *sample, struct row *row)
+{
+    enum { STEPS = 40 };
+    struct threads *threads = &sample->threads;
+    const int n = threads->n_parts > 1 ? threads->halo.n_blocks : 1;
+    if (n == 1 || row->threads != 1)
+        return STATUS_OK;
+    row->block_us = malloc((size_t)n * sizeof *row->block_us);
+    threads->block_s = calloc((size_t)n, sizeof *threads->block_s);
+    if (!row->block_us || !threads->block_s)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    row->n_blocks = n;
+    for (int w = 0; w < sample->n_walls; w++)
+        row->n_pieces += (sample->walls[w].contacts.n_sets + THREADS_PIECE_SETS - 1) / THREADS_PIECE_SETS;
+    for (int b = 0; b < n; b++)
+        row->block_us[b] = INFINITY;
+    for (int k = 0; k < STEPS; k++) {
+        TRY(sample_step_open(sample));
+        for (int b = 0; k > 0 && b < n; b++)
+            row->block_us[b] = fmin(row->block_us[b], 1e6 * threads->block_s[b]);
+    }
+    free(threads->block_s);
+    threads->block_s = NULL;
+    return STATUS_OK;
+}
+
 static enum status measure_world(struct sample *sample, const struct kind *kind, bool ordered, struct row *row)
 {
     double start = clock_now_s();
@@ -256,6 +307,8 @@ static enum status measure_world(struct sample *sample, const struct kind *kind,
     row->bytes_mb = 1e-6 * bytes_moved(sample);
     row->before = timing_core();
     TRY(time_parts(sample, row));
+    TRY(time_blocks(sample, row));
+    time_jobs(sample, row);
     row->after = timing_core();
     return STATUS_OK;
 }
@@ -303,6 +356,46 @@ static json_t *report_row(const struct kind *kind, const struct row *row)
                      timing_core_json(&row->before, &row->after));
 }
 
+/* "1.90 (95 %, 5 %)": times as fast, of what P threads could be, and serial part. */
+static void report_gain(const char *what, double one_us, double many_us, int threads)
+{
+    const double gain = one_us / many_us, serial = (threads / gain - 1) / (threads - 1);
+    printf(" %s %.2f (%.0f %%, %.1f %%)", what, gain, 100 * gain / threads, 100 * serial);
+}
+
+static void report_gains(const struct row *one, const struct row *row)
+{
+    if (one->threads != 1 || row->threads < 2)
+        return;
+    printf("%8d, %d threads for 1, times as fast (of %d, serial):", row->count, row->threads, row->threads);
+    report_gain("step", one->step_us, row->step_us, row->threads);
+    report_gain("pairs", one->pair_us, row->pair_us, row->threads);
+    report_gain("walls", one->walls_us, row->walls_us, row->threads);
+    report_gain("drift", one->drift_us, row->drift_us, row->threads);
+    report_gain("kick", one->kick_us, row->kick_us, row->threads);
+    report_gain("build", one->build_us, row->build_us, row->threads);
+    printf("\n");
+}
+
+/* The model's step on P cores; `two`: with the threads whose jobs were timed. */
+static void report_model(const struct kind *kind, const struct row *one, const struct row *two, double bandwidth)
+{
+    const int jobs = 1 + kind->dimension, most = 64;
+    double blocks_us = 0;
+    if (!one->block_us || two->threads < 2)
+        return;
+    for (int b = 0; b < one->n_blocks; b++)
+        blocks_us += one->block_us[b];
+    const double rest = one->step_us - blocks_us - one->walls_us;
+    const struct scaling_model model = {one->n_blocks, one->block_us, one->walls_us, one->n_pieces, jobs,
+                                        fmax(rest, 0), two->job_us,   one->bytes_mb, bandwidth};
+    printf("%8d, model, %d blocks, %.0f us + %.0f us walls + %.0f us serial, %.1f us a job, %.0f GB/s:", one->count,
+           one->n_blocks, blocks_us, one->walls_us, fmax(rest, 0), two->job_us, bandwidth);
+    for (int threads = 2; threads <= most; threads *= 2)
+        printf(" %d: %.2f", threads, scaling_model_step_us(&model, 1) / scaling_model_step_us(&model, threads));
+    printf("; measured %d: %.2f\n", two->threads, one->step_us / two->step_us);
+}
+
 /* "a,b,..." into list; returns how many. */
 static int parse_list(const char *text, int *list)
 {
@@ -316,7 +409,7 @@ static int parse_list(const char *text, int *list)
 }
 
 struct options {
-    const char *dimension, *precision, *counts, *threads, *json;
+    const char *dimension, *precision, *counts, *threads, *json, *bandwidth;
     bool ordered;
 };
 
@@ -324,6 +417,28 @@ struct options {
 static bool wanted(const char *option, const char *value)
 {
     return !option || strcmp(option, value) == 0;
+}
+
+/* The numbers of threads for one sample. */
+static enum status bench_count(const struct kind *kind, const char *precision, int count, const int *threads,
+                               int n_threads, const struct options *options, json_t *rows)
+{
+    struct row row[LIST_MAX] = {{0}};
+    enum status status = STATUS_OK;
+    int n = 0;
+    for (; n < n_threads && status == STATUS_OK; n++) {
+        row[n] = (struct row){.precision = precision, .count = count, .threads = threads[n]};
+        status = measure_row(kind, count, options->ordered, &row[n]);
+        if (status == STATUS_OK)
+            json_array_append_new(rows, report_row(kind, &row[n]));
+    }
+    for (int k = 1; k < n && status == STATUS_OK; k++)
+        report_gains(&row[0], &row[k]);
+    if (n > 1 && status == STATUS_OK)
+        report_model(kind, &row[0], &row[1], strtod(options->bandwidth, NULL));
+    for (int k = 0; k < n; k++)
+        free(row[k].block_us);
+    return status;
 }
 
 /* Counts and threads of one dimension and precision. */
@@ -335,13 +450,9 @@ static enum status bench_kind(const struct kind *kind, const char *precision, co
     if (n_counts == 0 || n_threads == 0)
         return status_fail(STATUS_USAGE,
                            "usage: bench_scaling [--dimension 2|3] [--precision double|mixed] [--counts N,N,...] "
-                           "[--threads T,...] [--ordered] [--json FILE]");
+                           "[--threads T,...] [--ordered] [--bandwidth GB/s] [--json FILE]");
     for (int n = 0; n < n_counts; n++)
-        for (int t = 0; t < n_threads; t++) {
-            struct row row = {.precision = precision, .count = count[n], .threads = threads[t]};
-            TRY(measure_row(kind, count[n], options->ordered, &row));
-            json_array_append_new(rows, report_row(kind, &row));
-        }
+        TRY(bench_count(kind, precision, count[n], threads, n_threads, options, rows));
     return STATUS_OK;
 }
 
@@ -359,14 +470,12 @@ static enum status bench_scaling(const struct options *options, json_t *rows)
 
 int main(int argc, char **argv)
 {
-    struct options options = {.counts = "1e3,3375,1e4,2e4,1e5,3e5,1e6", .threads = "1,2"};
-    const struct command_line_option own[] = {{"dimension", &options.dimension, NULL},
-                                              {"precision", &options.precision, NULL},
-                                              {"counts", &options.counts, NULL},
-                                              {"threads", &options.threads, NULL},
-                                              {"json", &options.json, NULL},
-                                              {"ordered", NULL, &options.ordered},
-                                              {NULL, NULL, NULL}};
+    struct options options = {.counts = "1e3,3375,1e4,2e4,1e5,3e5,1e6", .threads = "1,2", .bandwidth = "200"};
+    const struct command_line_option own[] = {
+        {"dimension", &options.dimension, NULL}, {"precision", &options.precision, NULL},
+        {"counts", &options.counts, NULL},       {"threads", &options.threads, NULL},
+        {"bandwidth", &options.bandwidth, NULL}, {"json", &options.json, NULL},
+        {"ordered", NULL, &options.ordered},     {NULL, NULL, NULL}};
     struct command_line line;
     floating_point_flush_subnormals();
     json_t *rows = json_array();

@@ -310,7 +310,7 @@ static void lists_compare(struct contact_list *a, struct contact_list *b)
 static void forces_compare(const struct particles *a, const struct particles *b)
 {
     const size_t row = (size_t)SUMS_BYTES(a->dimension, a->n_rotations > 0, a->single);
-    const size_t columns = PARTICLES_COLUMNS_OFFSET(a->n_padded, a->dimension, a->n_rotations > 0, a->single);
+    const size_t columns = PARTICLES_COLUMNS_OFFSET(a->n_rows, a->dimension, a->n_rotations > 0, a->single);
     const size_t real = a->single ? sizeof(float) : sizeof(double);
     assert_memory_equal(a->force, b->force, row * (size_t)a->count);
     for (int c = 0; c < a->dimension + a->n_rotations; c++) {

@@ -16,13 +16,20 @@ static size_t alignment_of(const void *array, size_t bytes)
     return bytes < LARGE_ARRAY ? (size_t)ARRAY_ALIGNMENT : (size_t)ARRAY_ALIGNMENT << member % OFFSETS;
 }
 
-/* Asks for huge pages, for particles are read in many places at a time. A wish: it may fail. */
-static void ask_for_huge_pages(void *array, size_t bytes)
+/* Zeroes an array. Pages of a large one are given back, so that each is taken anew, zeroed, by the
+ * thread that needs it first, and never if nobody does; huge ones, for particles are read in many places at a time: a
+ * wish that may fail. */
+static void clear(void *array, size_t bytes)
 {
-    const uintptr_t first = ((uintptr_t)array + PAGE - 1) / PAGE * PAGE,
-                    last = ((uintptr_t)array + bytes) / PAGE * PAGE;
-    if (bytes >= LARGE_ARRAY)
-        (void)madvise((void *)first, last - first, MADV_HUGEPAGE);
+    const uintptr_t start = (uintptr_t)array, end = start + bytes;
+    const uintptr_t first = (start + PAGE - 1) / PAGE * PAGE, last = end / PAGE * PAGE;
+    if (bytes < LARGE_ARRAY || madvise((void *)first, last - first, MADV_DONTNEED) != 0) {
+        memset(array, 0, bytes);
+        return;
+    }
+    (void)madvise((void *)first, last - first, MADV_HUGEPAGE);
+    memset(array, 0, first - start);
+    memset((void *)last, 0, end - last);
 }
 
 enum status array_resize(void *array, size_t size, size_t count, size_t keep)
@@ -35,11 +42,16 @@ enum status array_resize(void *array, size_t size, size_t count, size_t keep)
     void *fresh = aligned_alloc(alignment, bytes);
     if (!fresh)
         return status_fail(STATUS_NO_MEMORY, "out of memory (%zu bytes)", bytes);
-    ask_for_huge_pages(fresh, bytes);
-    memset(fresh, 0, bytes);
+    clear(fresh, bytes);
     if (old && keep)
         memcpy(fresh, old, keep * size);
     free(old);
     memcpy(array, &fresh, sizeof fresh);
     return STATUS_OK;
+}
+
+void array_forget(void *array, size_t size, size_t count)
+{
+    if (array && size * count >= LARGE_ARRAY)
+        clear(array, size * count);
 }

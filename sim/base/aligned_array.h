@@ -13,4 +13,8 @@ enum { ARRAY_ALIGNMENT = 64, ARRAY_PADDING = 16 };
  * its first `keep` members are carried over. STATUS_NO_MEMORY leaves *array as it was. Release with free(). */
 enum status array_resize(void *array, size_t size, size_t count, size_t keep) MUST_USE;
 
+/* What `count` members of a large array hold is not needed any more: they are zeroed, or left, and large arrays take no
+ * memory until they are written again. NULL: nothing. */
+void array_forget(void *array, size_t size, size_t count);
+
 #endif

@@ -252,3 +252,25 @@ void team_run(struct team *team, int pieces, team_task *task, void *context)
     work(team, 0, job);
     wait_for(team, 0, job);
 }
+
+struct ranges {
+    team_range_task *task;
+    void *context;
+    int n, grain;
+};
+
+static void run_range(void *context, int k)
+{
+    const struct ranges *ranges = context;
+    const int first = k * ranges->grain, rest = ranges->n - first;
+    ranges->task(ranges->context, first, first + (rest < ranges->grain ? rest : ranges->grain));
+}
+
+void team_run_ranges(struct team *team, int n, int grain, team_range_task *task, void *context)
+{
+    struct ranges ranges = {task, context, n, grain};
+    if (team_in_use(team) > 1)
+        team_run(team, (n + grain - 1) / grain, run_range, &ranges);
+    else if (n > 0)
+        task(context, 0, n);
+}

@@ -29,4 +29,8 @@ int team_in_use(const struct team *team);
  * task. */
 void team_run(struct team *team, int pieces, team_task *task, void *context);
 
+/* The same for ranges first ... end - 1 of 0 ... n - 1, each of `grain` members but the last. */
+typedef void team_range_task(void *context, int first, int end);
+void team_run_ranges(struct team *team, int n, int grain, team_range_task *task, void *context);
+
 #endif

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "common/scene.h"
+#include "sim/base/team.h"
 #include "sim/grains/particles.h"
 #include "sim/law/contact_history.h"
 #include "sim/law/contact_law.h"
@@ -52,11 +53,12 @@ struct contact_list {
     double *reach;                    /* a_i + a_j, walls a_i [m] */
     double *history[HISTORY_COLUMNS]; /* [count] a copy in the order of the list: contact_list_read */
     struct contact_model model;
-    bool closed;      /* the kernels have the history */
-    int search_max;   /* particles asked for room before a set is added (slot_assignment.h); 0: as many as ever pay */
-    int n_sets;       /* that the kernels go through; set by contact_list_close */
-    uint32_t *slot;   /* [count] where the kernels have it: twice the slot, 1 more if that is j's */
-    int32_t *scratch; /* of contact_list_close */
+    bool closed;       /* the kernels have the history */
+    struct team *team; /* that hands it over to the kernels; NULL: the caller alone */
+    int search_max;    /* particles asked for room before a set is added (slot_assignment.h); 0: as many as ever pay */
+    int n_sets;        /* that the kernels go through; set by contact_list_close */
+    uint32_t *slot;    /* [count] where the kernels have it: twice the slot, 1 more if that is j's */
+    int32_t *scratch;  /* of contact_list_close */
     size_t scratch_size;
     struct contact_slots slots;
 };

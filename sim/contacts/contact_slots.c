@@ -51,23 +51,37 @@ static double into_slot(const struct contact_list *list, int c, int k)
     return history_field(c)->length ? sign / list->slots.unit : sign;
 }
 
+/* What the ranges of slots or members are filled with. */
+struct filling {
+    struct contact_list *list;
+    const struct particles *particles;
+    const struct wall *wall;
+    uint32_t stride, padding_row;
+    double nothing; /* reach of the padding particle */
+    int column;     /* of the history */
+};
+
+enum { FILL_GRAIN = 16384 };
+
 /* The padding particle is nowhere near: single by `built` and `gap`, which are more units than anything moves and still
  * have a square, double by its place, but walls know no distance to it: `nothing` is its reach. */
-static void empty_slots(struct contact_list *list, int dimension, uint32_t padding_row, double nothing)
+static void empty_slots(void *context, int first, int end)
 {
-    const size_t size = (size_t)list->n_sets * SET_WIDTH, real = list->model.single ? sizeof(float) : sizeof(double);
-    struct contact_slots *slots = &list->slots;
-    for (size_t s = 0; s < size; s++) {
-        slots->partner[s] = padding_row;
+    const struct filling *f = context;
+    const struct contact_list *list = f->list;
+    const size_t from = (size_t)first, to = (size_t)end;
+    const struct contact_slots *slots = &list->slots;
+    for (size_t s = from; s < to; s++) {
+        slots->partner[s] = f->padding_row;
         if (list->model.single) {
             slots->gap[s] = -0x1p80F;
             slots->built[0][s] = 0x1p40F;
         }
     }
-    for (int c = 1; list->model.single && c < dimension; c++)
-        memset(slots->built[c], 0, real * size);
-    for (size_t s = 0; s < size; s++)
-        put(list, slots->reach, s, nothing);
+    for (int c = 1; list->model.single && c < f->particles->dimension; c++)
+        memset(slots->built[c] + from, 0, sizeof(float) * (to - from));
+    for (size_t s = from; s < to; s++)
+        put(list, slots->reach, s, f->nothing);
 }
 
 /* Single: where the partner of slot s was when the lists were built, from particle i; of walls only how far. per_unit:
@@ -90,13 +104,22 @@ static void fill_built(struct contact_list *list, size_t s, double reach, const 
 }
 
 /* Empty slots have those of two particles of mass and radius 1, so that lanes of theirs stay finite. */
-static void fill_pair_constants(struct contact_list *list, const struct particles *p, const struct wall *wall)
+static void empty_pair_constants(void *context, int first, int end)
 {
-    struct contact_slots *slots = &list->slots;
-    for (size_t s = 0; s < (size_t)list->n_sets * SET_WIDTH; s++)
+    const struct contact_list *list = ((const struct filling *)context)->list;
+    for (size_t s = (size_t)first; s < (size_t)end; s++)
         for (int c = 0; c < PAIR_CONSTANTS; c++)
-            put(list, slots->pair[c], s, 1);
-    for (int k = 0; k < list->count; k++) {
+            put(list, list->slots.pair[c], s, 1);
+}
+
+static void fill_pair_constants(void *context, int first, int end)
+{
+    const struct filling *f = context;
+    const struct contact_list *list = f->list;
+    const struct contact_slots *slots = &list->slots;
+    const struct particles *p = f->particles;
+    const struct wall *wall = f->wall;
+    for (int k = first; k < end; k++) {
         const size_t s = list->slot[k] / 2;
         const int i = list->i[k], j = list->j[k];
         const double mass = wall ? p->mass[i] : p->mass[i] * p->mass[j] / (p->mass[i] + p->mass[j]);
@@ -106,11 +129,16 @@ static void fill_pair_constants(struct contact_list *list, const struct particle
     }
 }
 
-static void fill_slots(struct contact_list *list, const struct particles *p, const struct wall *wall, uint32_t stride)
+static void fill_slots(void *context, int first, int end)
 {
+    const struct filling *f = context;
+    struct contact_list *list = f->list;
+    const struct particles *p = f->particles;
+    const struct wall *wall = f->wall;
+    const uint32_t stride = f->stride;
     struct contact_slots *slots = &list->slots;
     const double per_unit = 1 / slots->unit, reach_per = wall ? 1 : per_unit;
-    for (int k = 0; k < list->count; k++) {
+    for (int k = first; k < end; k++) {
         const size_t s = list->slot[k] / 2;
         const int32_t turned = wall || list->slot[k] % 2; /* no branch: it could not be predicted */
         const int32_t both = list->i[k] ^ list->j[k], j = list->j[k] ^ (both & -turned);
@@ -122,13 +150,20 @@ static void fill_slots(struct contact_list *list, const struct particles *p, con
     }
 }
 
-static void fill_column(struct contact_list *list, int c)
+static void empty_column(void *context, int first, int end)
 {
-    struct contact_slots *slots = &list->slots;
-    memset(slots->history[c], 0,
-           (size_t)list->n_sets * SET_WIDTH * (list->model.single ? sizeof(float) : sizeof(double)));
-    for (int k = 0; k < list->count; k++)
-        put(list, slots->history[c], list->slot[k] / 2, into_slot(list, c, k) * list->history[c][k]);
+    const struct filling *f = context;
+    const size_t real = f->list->model.single ? sizeof(float) : sizeof(double);
+    memset((char *)f->list->slots.history[f->column] + real * (size_t)first, 0, real * (size_t)(end - first));
+}
+
+static void fill_column(void *context, int first, int end)
+{
+    const struct filling *f = context;
+    const struct contact_list *list = f->list;
+    for (int k = first; k < end; k++)
+        put(list, list->slots.history[f->column], list->slot[k] / 2,
+            into_slot(list, f->column, k) * list->history[f->column][k]);
 }
 
 static enum status spans_reserve(struct contact_slots *slots, int n)
@@ -198,6 +233,20 @@ static enum status assign_wall(struct contact_list *list, int dimension)
     return slots_reserve(list, dimension);
 }
 
+/* First all slots, then those of the members. */
+static void fill_all(struct filling *f, team_range_task *empty, team_range_task *fill)
+{
+    team_run_ranges(f->list->team, f->list->n_sets * SET_WIDTH, FILL_GRAIN, empty, f);
+    team_run_ranges(f->list->team, f->list->count, FILL_GRAIN, fill, f);
+}
+
+/* Two walls of a large sample may be at work at the same time. */
+static uint32_t padding_of(const struct particles *p, const struct wall *wall)
+{
+    const bool shared = !wall || p->count < PARTICLES_LARGE_SAMPLE;
+    return (uint32_t)(shared ? particles_padding(p) : particles_spare_padding(p, 1 + (wall->inward < 0)));
+}
+
 enum status contact_list_place(struct contact_list *list, const struct particles *particles, const struct wall *wall)
 {
     const uint32_t stride = RECORD_STRIDE(particles->dimension, particles->n_rotations > 0, particles->single);
@@ -209,19 +258,22 @@ enum status contact_list_place(struct contact_list *list, const struct particles
     if (list->count == 0)
         return STATUS_OK;
     /* nothing: no reach, and for walls less than none, for they know no distance to the padding particle */
-    empty_slots(list, particles->dimension, stride * (uint32_t)particles_padding(particles), wall ? -1e30 : 0);
-    fill_slots(list, particles, wall, stride);
+    struct filling f = {list, particles, wall, stride, stride * padding_of(particles, wall), wall ? -1e30 : 0, 0};
+    fill_all(&f, empty_slots, fill_slots);
     if (list->model.traits & NORMAL_PER_PAIR)
-        fill_pair_constants(list, particles, wall);
+        fill_all(&f, empty_pair_constants, fill_pair_constants);
     return STATUS_OK;
 }
 
 enum status contact_list_close(struct contact_list *list, const struct particles *particles, const struct wall *wall)
 {
     TRY(contact_list_place(list, particles, wall));
-    for (int c = 0; list->count && c < HISTORY_COLUMNS; c++)
-        if (history_has(&list->model, c))
-            fill_column(list, c);
+    struct filling f = {.list = list};
+    for (f.column = 0; list->count && f.column < HISTORY_COLUMNS; f.column++)
+        if (history_has(&list->model, f.column))
+            fill_all(&f, empty_column, fill_column);
+    for (int c = 0; c < HISTORY_COLUMNS; c++) /* the slots have it now */
+        array_forget(list->history[c], sizeof(double), (size_t)list->count);
     return STATUS_OK;
 }
 

@@ -1,6 +1,10 @@
 #include "sim/contacts/slot_assignment.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+/* Large samples are dealt with span by span, by all threads, and in the same way by one: which member has a pair across
+ * spans is settled before, evenly, and such pairs are not passed on. */
 
 /* Each particle has a column in a table, with a place for each row of slots of its block, and pairs are put in as keys
  * are into a hash table with two choices for each ("cuckoo hashing"): if the columns of both members are full, one
@@ -9,7 +13,7 @@ struct column {
     int32_t next; /* the next free place in the table, t->width behind the last one */
     int32_t room; /* free places */
     int32_t left; /* pairs of the particle that are still to be dealt out; in the end those beyond the table */
-    int32_t seen; /* by which search */
+    int32_t seen; /* by which search; before that, pairs across spans that it has */
 };
 
 /* What a place holds. */
@@ -27,13 +31,14 @@ struct visit {
 enum { SPARE_ROWS = 2, VISITS_MAX = 256 };
 
 struct table {
+    int from, to; /* particles that are dealt with; a table of its own for each group of them, with arrays for all */
     int n_particles, n_blocks;
     int width, span_width; /* particles of a block, of a span */
     bool chained;
     bool apart;    /* partners half a row apart must not be the same one */
     int32_t *next; /* [n_particles] the pair with the particle behind it; -1: none */
-    int32_t *pair; /* [n_pairs] the other pairs, which are dealt out */
-    int n_pairs;
+    int32_t *pair; /* [n_pairs] the other pairs, which are dealt out; first those across spans */
+    int n_pairs, n_across;
     struct column *column;          /* [n_particles] */
     int32_t *planned;               /* [n_blocks] rows; in the end those that there are */
     int32_t *start;                 /* [n_blocks + 1] the block's first place in the table */
@@ -58,7 +63,8 @@ static enum status lay_out(struct table *t, struct contact_list *list, size_t pl
     const size_t own = (size_t)t->n_particles + (size_t)t->n_particles % 2;
     const size_t pairs = (size_t)list->count + (size_t)list->count % 2;
     const size_t spans = 2 * (size_t)(n_spans(t) / 2 + 1);
-    const size_t before = column + 4 * even + 6 + spans + own + 3 * pairs, size = before + 2 * places;
+    const size_t before = column + 4 * even + 6 + spans + own + 3 * pairs;
+    const size_t size = before + (places ? 2 * places : pairs); /* first room for the pairs, once more */
     TRY(contact_list_work(list, size, places ? before : 0));
     t->column = (struct column *)list->scratch;
     t->planned = list->scratch + column;
@@ -73,34 +79,191 @@ static enum status lay_out(struct table *t, struct contact_list *list, size_t pl
     return STATUS_OK;
 }
 
-/* Pairs of a particle and the one behind it, but for where a span of blocks ends. They get sets of their own if these
- * are filled well enough: one costs the kernels 0.6 (2D) to 0.9 (3D) of what another does, and starts the sums. Without
- * branches: they could not be predicted. */
-static void find_next(struct table *t, const struct contact_list *list)
+/* Particles of the table, all in one span if the sample is large, and the list's members of which they are i. */
+struct group {
+    int from, to;
+    int first_member, end_member;
+    int n_next;    /* particles with a pair with the one behind them */
+    int n_inside;  /* other pairs of two of them */
+    int n_leaving; /* pairs with a particle of a group to come */
+    int n_across;  /* pairs across groups that are in their slots */
+    int first_pair, n_over;
+};
+
+struct dealing {
+    struct table table;
+    struct contact_list *list;
+    struct group *group;
+    int n_groups;
+    const struct slot_assignment *deal;
+};
+
+static int first_member_of(const struct contact_list *list, int particle)
 {
-    const int32_t *const i = list->i, *const j = list->j;
-    int n = 0;
-    memset(t->next, -1, (size_t)t->n_particles * sizeof *t->next);
-    for (int k = 0; k < list->count; k++) {
+    int lo = 0, hi = list->count;
+    while (lo < hi) {
+        const int middle = lo + (hi - lo) / 2;
+        if (list->i[middle] < particle)
+            lo = middle + 1;
+        else
+            hi = middle;
+    }
+    return lo;
+}
+
+static enum status make_groups(struct dealing *d)
+{
+    const struct table *t = &d->table;
+    const bool large = t->n_particles >= PARTICLES_LARGE_SAMPLE;
+    d->n_groups = large ? n_spans(t) : 1;
+    d->group = calloc((size_t)d->n_groups, sizeof *d->group);
+    if (!d->group)
+        return status_fail(STATUS_NO_MEMORY, "no memory for the slots of the pairs");
+    for (int g = 0; g < d->n_groups; g++) {
+        struct group *group = &d->group[g];
+        const bool last = g + 1 == d->n_groups;
+        group->from = g * t->span_width;
+        group->to = last ? t->n_particles : (g + 1) * t->span_width;
+        group->first_member = g == 0 ? 0 : d->group[g - 1].end_member;
+        group->end_member = last ? d->list->count : first_member_of(d->list, group->to);
+    }
+    return STATUS_OK;
+}
+
+/* Pairs of a particle and the one behind it, but for where a span of blocks ends. Without branches: they could not be
+ * predicted. */
+static void find_next(void *context, int g)
+{
+    const struct dealing *d = context;
+    const struct table *t = &d->table;
+    struct group *group = &d->group[g];
+    const int32_t *const i = d->list->i, *const j = d->list->j;
+    memset(t->next + group->from, -1, (size_t)(group->to - group->from) * sizeof *t->next);
+    for (int k = group->first_member; k < group->end_member; k++) {
         const int32_t is_next = (j[k] == i[k] + 1) & (j[k] % t->span_width != 0);
         t->next[i[k]] = is_next ? k : t->next[i[k]];
     }
-    for (int q = 0; q < t->n_particles; q++)
-        n += t->next[q] >= 0;
+    for (int q = group->from; q < group->to; q++)
+        group->n_next += t->next[q] >= 0;
+}
+
+/* They get sets of their own if these are filled well enough: one costs the kernels 0.6 (2D) to 0.9 (3D) of what
+ * another does, and starts the sums. */
+static void decide_next(struct dealing *d)
+{
+    struct table *t = &d->table;
+    int n = 0;
+    for (int g = 0; g < d->n_groups; g++)
+        n += d->group[g].n_next;
     t->chained = 5 * (int64_t)n > 3 * (int64_t)t->n_particles;
     if (!t->chained)
         memset(t->next, -1, (size_t)t->n_particles * sizeof *t->next);
-    t->n_pairs = 0;
-    for (int k = 0; k < list->count; k++) {
-        t->pair[t->n_pairs] = k;
-        t->n_pairs += t->next[i[k]] != k;
+}
+
+/* The other pairs of a group: inside in `pair`, and leaving in `over`, both from the first member on. */
+static void sort_out(void *context, int g)
+{
+    const struct dealing *d = context;
+    const struct table *t = &d->table;
+    struct group *group = &d->group[g];
+    const int32_t *const i = d->list->i, *const j = d->list->j;
+    memset(t->column + group->from, 0, (size_t)(group->to - group->from) * sizeof *t->column);
+    group->n_inside = group->n_leaving = 0;
+    for (int k = group->first_member; k < group->end_member; k++) {
+        const bool other = t->next[i[k]] != k, leaves = j[k] >= group->to;
+        t->pair[group->first_member + group->n_inside] = k;
+        t->over[group->first_member + group->n_leaving].pair = k;
+        group->n_inside += other && !leaves;
+        group->n_leaving += other && leaves;
     }
+}
+
+static struct group *group_of(const struct dealing *d, int particle)
+{
+    const int g = particle / d->table.span_width;
+    return &d->group[g < d->n_groups ? g : d->n_groups - 1];
+}
+
+/* A pair across groups goes to the member that has fewer of them. */
+static void share_out_across(struct dealing *d)
+{
+    struct table *t = &d->table;
+    for (int g = 0; g < d->n_groups; g++)
+        for (int m = 0; m < d->group[g].n_leaving; m++) {
+            struct entry *leaving = &t->over[d->group[g].first_member + m];
+            const int i = d->list->i[leaving->pair], j = d->list->j[leaving->pair];
+            const int owner = t->column[i].seen <= t->column[j].seen ? i : j;
+            t->column[owner].seen++;
+            leaving->other = owner;
+            group_of(d, owner)->n_across++;
+        }
+}
+
+/* Each group's pairs get places of their own: in `pair`, first those across groups, and in `over`. */
+static void gather_pairs(struct dealing *d, int32_t *inside)
+{
+    struct table *t = &d->table;
+    int before = 0;
+    if (d->n_groups == 1)
+        return;
+    memcpy(inside, t->pair, (size_t)d->list->count * sizeof *inside);
+    for (int g = 0; g < d->n_groups; g++) {
+        struct group *group = &d->group[g];
+        group->first_pair = before;
+        before += group->n_across + group->n_inside;
+        memcpy(t->pair + group->first_pair + group->n_across, inside + group->first_member,
+               (size_t)group->n_inside * sizeof *inside);
+        group->n_across = 0;
+    }
+    for (int g = 0; g < d->n_groups; g++)
+        for (int m = 0; m < d->group[g].n_leaving; m++) {
+            const struct entry *leaving = &t->over[d->group[g].first_member + m];
+            struct group *to = group_of(d, leaving->other);
+            t->pair[to->first_pair + to->n_across++] = leaving->pair;
+        }
+}
+
+static bool is_here(const struct table *t, int particle)
+{
+    return particle >= t->from && particle < t->to;
+}
+
+/* The table of a group. */
+static struct table table_of(const struct dealing *d, int g)
+{
+    const struct group *group = &d->group[g];
+    struct table t = d->table;
+    t.from = group->from;
+    t.to = group->to;
+    t.pair += group->first_pair;
+    t.over += group->first_pair;
+    t.n_across = group->n_across;
+    t.n_pairs = group->n_across + group->n_inside;
+    t.n_over = group->n_over;
+    return t;
+}
+
+static int block_from(const struct table *t)
+{
+    return t->from / t->width;
+}
+
+static int block_to(const struct table *t)
+{
+    return (t->to + t->width - 1) / t->width;
+}
+
+/* Of a pair across groups the member that is here. */
+static int owner_of(const struct table *t, const struct contact_list *list, int k)
+{
+    return is_here(t, list->i[k]) ? list->i[k] : list->j[k];
 }
 
 static void count_pairs(struct table *t, const struct contact_list *list)
 {
-    memset(t->column, 0, (size_t)t->n_particles * sizeof *t->column);
-    for (int m = 0; m < t->n_pairs; m++) {
+    for (int m = 0; m < t->n_across; m++)
+        t->column[owner_of(t, list, t->pair[m])].left++;
+    for (int m = t->n_across; m < t->n_pairs; m++) {
         t->column[list->i[t->pair[m]]].left++;
         t->column[list->j[t->pair[m]]].left++;
     }
@@ -115,7 +278,7 @@ static int plan_block(const struct table *t, int b, int lanes, int64_t *owed)
     const struct column *column = t->column + t->width * b;
     int of_length[COUNTED] = {0}, rows = 0, filled = lanes;
     for (int l = 0; l < lanes; l++) {
-        *owed += (int64_t)OWED_PER_END * column[l].left;
+        *owed += (int64_t)OWED_PER_END * (column[l].left + column[l].seen); /* those across spans are whole ones */
         of_length[column[l].left < COUNTED ? column[l].left : COUNTED - 1]++;
     }
     filled -= of_length[0];
@@ -132,18 +295,31 @@ static int lanes_of(const struct table *t, int b)
     return rest < t->width ? rest : t->width;
 }
 
-static void plan(struct table *t)
+static void plan(void *context, int g)
 {
+    const struct dealing *d = context;
+    struct table t = table_of(d, g);
     int64_t owed = 0;
+    count_pairs(&t, d->list);
+    for (int b = block_from(&t); b < block_to(&t); b++)
+        t.planned[b] = plan_block(&t, b, lanes_of(&t, b), &owed);
+}
+
+static void place_blocks(struct table *t)
+{
     t->start[0] = 0;
-    for (int b = 0; b < t->n_blocks; b++) {
-        const int lanes = lanes_of(t, b), rows = plan_block(t, b, lanes, &owed);
-        t->planned[b] = rows;
-        t->start[b + 1] = t->start[b] + t->width * (rows + SPARE_ROWS);
-        for (int l = 0; l < lanes; l++) {
-            t->column[t->width * b + l].room = rows;
-            t->column[t->width * b + l].next = t->start[b] + l;
-        }
+    for (int b = 0; b < t->n_blocks; b++)
+        t->start[b + 1] = t->start[b] + t->width * (t->planned[b] + SPARE_ROWS);
+}
+
+static void open_columns(struct table *t)
+{
+    const int first = t->start[block_from(t)], end = t->start[block_to(t)];
+    memset(t->entry + first, -1, (size_t)(end - first) * sizeof *t->entry);
+    for (int q = t->from; q < t->to; q++) {
+        t->column[q].room = t->planned[q / t->width];
+        t->column[q].next = t->start[q / t->width] + q % t->width;
+        t->column[q].seen = 0;
     }
 }
 
@@ -199,6 +375,8 @@ static void pass_on(struct table *t, int pair, int i, int j)
         const int owner = t->visit[v].owner, end = t->column[owner].next;
         for (int at = start_of(t, owner); at < end; at += t->width) {
             const int other = t->entry[at].other;
+            if (!is_here(t, other))
+                continue;
             if (t->column[other].room > 0) {
                 pass_along(t, v, at, pair);
                 return;
@@ -218,7 +396,16 @@ static void deal_out(struct table *t, const struct contact_list *list)
 {
     struct column *const columns = t->column;
     const int32_t *const i = list->i, *const j = list->j, n_pairs = t->n_pairs;
-    for (int m = 0; m < n_pairs; m++) {
+    for (int m = 0; m < t->n_across; m++) {
+        const int32_t k = t->pair[m], owner = owner_of(t, list, k);
+        const struct entry entry = {k, i[k] + j[k] - owner};
+        columns[owner].left--;
+        if (columns[owner].room > 0)
+            put(t, owner, entry);
+        else
+            put_beyond(t, owner, entry);
+    }
+    for (int m = t->n_across; m < n_pairs; m++) {
         const int32_t k = t->pair[m];
         struct column *of_i = &columns[i[k]], *of_j = &columns[j[k]];
         const int32_t to_j = (int64_t)of_j->room * of_i->left > (int64_t)of_i->room * of_j->left, both = i[k] ^ j[k];
@@ -295,7 +482,7 @@ static bool move(struct table *t, int place, int owner, int other, int first, in
 static void part(struct table *t, int b, int place)
 {
     const int owner = t->width * b + place % t->width, twin = owner + t->width / 2, other = t->entry[place].other;
-    const int rows = t->planned[other / t->width];
+    const int rows = is_here(t, other) ? t->planned[other / t->width] : 0;
     if (change_places(t, place, owner) || move(t, place, other, owner, 0, rows) ||
         change_places(t, twin_of(t, place), twin) || move(t, twin_of(t, place), other, twin, 0, rows))
         return;
@@ -311,9 +498,9 @@ static void part(struct table *t, int b, int place)
 static void settle(struct table *t)
 {
     const int half = t->width / 2;
-    for (int b = 0; b < t->n_blocks; b++)
+    for (int b = block_from(t); b < block_to(t); b++)
         t->planned[b] = rows_filled(t, b);
-    for (int b = 0; b < t->n_blocks && t->apart; b++)
+    for (int b = block_from(t); b < block_to(t) && t->apart; b++)
         for (int k = 0; k < t->planned[b]; k++)
             for (int place = t->start[b] + t->width * k, end = place + half; place < end; place++)
                 if (t->entry[place].other >= 0 && !fits(t, t->entry[place].other, place))
@@ -336,11 +523,11 @@ static int number_beyond(struct table *t, int b)
 /* From here on `left` counts what is beyond the table, and has rows. */
 static void plan_beyond(struct table *t)
 {
-    for (int q = 0; q < t->n_particles; q++)
+    for (int q = t->from; q < t->to; q++)
         t->column[q].left = 0;
     for (int m = 0; m < t->n_over; m++)
         t->column[t->over[m].other].left++;
-    for (int b = 0; b < t->n_blocks; b++)
+    for (int b = block_from(t); b < block_to(t); b++)
         t->planned[b] = number_beyond(t, b);
 }
 
@@ -438,11 +625,15 @@ static void number_block(const struct table *t, const struct slot_assignment *de
     }
 }
 
-static void number_slots(const struct table *t, const struct slot_assignment *deal, struct contact_list *list)
+static void number_slots(void *context, int g)
 {
-    for (int b = 0; b < t->n_blocks; b++)
+    const struct dealing *d = context;
+    const struct table table = table_of(d, g), *t = &table;
+    const struct slot_assignment *deal = d->deal;
+    struct contact_list *list = d->list;
+    for (int b = block_from(t); b < block_to(t); b++)
         number_block(t, deal, b, list);
-    for (int q = 0; q < t->n_particles; q++)
+    for (int q = t->from; q < t->to; q++)
         if (t->next[q] >= 0)
             list->slot[t->next[q]] = slot_of(t, slot_assignment_chain_row(deal, q / t->width), q, q + 1);
     for (int m = 0; m < t->n_over; m++) {
@@ -451,38 +642,62 @@ static void number_slots(const struct table *t, const struct slot_assignment *de
         const int place = column->room + --column->left;
         list->slot[k] = slot_of(t, slot_assignment_row(deal, b, place), owner, list->i[k] + list->j[k] - owner);
     }
-    list->n_sets = t->span[deal->n_spans];
+}
+
+static void deal_out_group(void *context, int g)
+{
+    struct dealing *d = context;
+    struct table t = table_of(d, g);
+    open_columns(&t);
+    deal_out(&t, d->list);
+    settle(&t);
+    if (t.n_over > 0)
+        plan_beyond(&t);
+    d->group[g].n_over = t.n_over;
+}
+
+static enum status deal_groups(struct dealing *d, struct slot_assignment *deal)
+{
+    struct table *t = &d->table;
+    struct team *team = d->list->team;
+    team_run(team, d->n_groups, find_next, d);
+    decide_next(d);
+    team_run(team, d->n_groups, sort_out, d);
+    share_out_across(d);
+    gather_pairs(d, (int32_t *)t->entry);
+    team_run(team, d->n_groups, plan, d);
+    place_blocks(t);
+    TRY(lay_out(t, d->list, (size_t)t->start[t->n_blocks]));
+    team_run(team, d->n_groups, deal_out_group, d);
+    number_rows(t);
+    *deal = (struct slot_assignment){.width = t->width,
+                                     .span_width = t->span_width,
+                                     .n_blocks = t->n_blocks,
+                                     .n_spans = n_spans(t),
+                                     .chained = t->chained,
+                                     .whole = t->whole,
+                                     .single = t->single,
+                                     .span = t->span};
+    number_spans(t, deal);
+    d->deal = deal;
+    team_run(team, d->n_groups, number_slots, d);
+    d->list->n_sets = t->span[deal->n_spans];
+    return STATUS_OK;
 }
 
 enum status slot_assignment_make(struct contact_list *list, int n_particles, int width, int span_width,
                                  struct slot_assignment *deal)
 {
-    struct table t = {.n_particles = n_particles,
-                      .n_blocks = (n_particles + width - 1) / width,
-                      .width = width,
-                      .span_width = span_width,
-                      .apart = list->model.single && width == HALF_WIDTH};
-    t.visits_max = list->search_max > 0 && list->search_max < VISITS_MAX ? list->search_max : VISITS_MAX;
-    TRY(lay_out(&t, list, 0));
-    find_next(&t, list);
-    count_pairs(&t, list);
-    plan(&t);
-    TRY(lay_out(&t, list, (size_t)t.start[t.n_blocks]));
-    memset(t.entry, -1, (size_t)t.start[t.n_blocks] * sizeof *t.entry);
-    deal_out(&t, list);
-    settle(&t);
-    if (t.n_over > 0)
-        plan_beyond(&t);
-    number_rows(&t);
-    *deal = (struct slot_assignment){.width = width,
-                                     .span_width = span_width,
-                                     .n_blocks = t.n_blocks,
-                                     .n_spans = n_spans(&t),
-                                     .chained = t.chained,
-                                     .whole = t.whole,
-                                     .single = t.single,
-                                     .span = t.span};
-    number_spans(&t, deal);
-    number_slots(&t, deal, list);
-    return STATUS_OK;
+    struct dealing d = {.list = list};
+    d.table = (struct table){.n_particles = n_particles,
+                             .n_blocks = (n_particles + width - 1) / width,
+                             .width = width,
+                             .span_width = span_width,
+                             .apart = list->model.single && width == HALF_WIDTH};
+    d.table.visits_max = list->search_max > 0 && list->search_max < VISITS_MAX ? list->search_max : VISITS_MAX;
+    TRY(lay_out(&d.table, list, 0));
+    TRY(make_groups(&d));
+    const enum status status = deal_groups(&d, deal);
+    free(d.group);
+    return status;
 }

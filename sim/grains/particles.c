@@ -33,6 +33,15 @@ static int paddings(const struct particles *p)
     return p->count < PARTICLES_LARGE_SAMPLE ? 1 : PARTICLES_PADDINGS;
 }
 
+static void pad_row(struct particles *p, int row)
+{
+    const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->single);
+    double *record = (double *)p->record + (size_t)row * stride;
+    memset(record, 0, stride * sizeof *record);
+    if (!p->single)
+        record[0] = 1e9; /* its first coordinate [m] */
+}
+
 static enum status rests_init(struct particles *p)
 {
     for (int c = 0; p->single && c < p->dimension; c++) {
@@ -49,6 +58,7 @@ static enum status records_init(struct particles *p)
     const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->single);
     const size_t real = p->single ? sizeof(float) : sizeof(double);
     p->n_padded = (p->count + ARRAY_PADDING - 1) / ARRAY_PADDING * ARRAY_PADDING + paddings(p) * ARRAY_PADDING;
+    p->n_rows = p->n_padded;
     TRY(array_resize(&p->record, stride * sizeof(double), (size_t)p->n_padded, 0));
     TRY(array_resize(&p->force, 1, particles_force_size(p), 0));
     for (int c = 0; p->single && c < p->dimension; c++)
@@ -64,8 +74,8 @@ static enum status records_init(struct particles *p)
     TRY(rests_init(p));
     for (int k = 0; !p->single && k < ARRAY_PADDING; k++) /* no two behind the last particle at one place */
         p->x[0][p->count + k] = p->x_list[0][p->count + k] = -1e6 * (k + 1);
-    for (int k = 0; !p->single && k < paddings(p); k++)
-        ((double *)p->record)[(size_t)particles_spare_padding(p, k) * stride] = 1e9; /* its first coordinate [m] */
+    for (int k = 0; k < paddings(p); k++)
+        pad_row(p, particles_spare_padding(p, k));
     TRY(array_resize(&p->view_inv_mass, real, (size_t)p->count, 0));
     TRY(array_resize(&p->view_minus_lever, real, (size_t)p->count, 0));
     TRY(array_resize(&p->view_radius, real, (size_t)p->count, 0));
@@ -101,8 +111,78 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
 size_t particles_force_size(const struct particles *p)
 {
     size_t columns = (size_t)(p->dimension + p->n_rotations) * (p->single ? sizeof(float) : sizeof(double));
-    return PARTICLES_COLUMNS_OFFSET(p->n_padded, p->dimension, frictional(p), p->single) +
-           columns * (size_t)p->n_padded;
+    return PARTICLES_COLUMNS_OFFSET(p->n_rows, p->dimension, frictional(p), p->single) + columns * (size_t)p->n_padded;
+}
+
+enum status particles_reserve_rows(struct particles *p, int rows)
+{
+    const size_t record = sizeof(double) * RECORD_STRIDE(p->dimension, frictional(p), p->single),
+                 sums = SUMS_BYTES(p->dimension, frictional(p), p->single);
+    const int before = p->n_padded;
+    if (rows <= p->n_rows)
+        return STATUS_OK;
+    p->n_rows = rows + rows / 16;
+    TRY(array_resize(&p->record, record, (size_t)p->n_rows, (size_t)before));
+    return array_resize(&p->force, 1, particles_force_size(p), sums * (size_t)before);
+}
+
+void particles_start_rows(struct particles *p, int row, int count)
+{
+    const size_t sums = SUMS_BYTES(p->dimension, frictional(p), p->single);
+    memset((char *)p->force + sums * (size_t)row, 0, sums * (size_t)count);
+    pad_row(p, row + count - 1);
+}
+
+static inline __attribute__((always_inline)) void copy_records(void *records, const size_t bytes, int to,
+                                                               const int32_t *of, int count)
+{
+    char *record = records;
+    for (int k = 0; k < count; k++)
+        memcpy(record + bytes * (size_t)(to + k), record + bytes * (size_t)of[k], bytes);
+}
+
+void particles_copy_rows(struct particles *p, int to, const int32_t *of, int count)
+{
+    const size_t bytes = sizeof(double) * RECORD_STRIDE(p->dimension, frictional(p), p->single);
+    if (bytes == 16)
+        copy_records(p->record, 16, to, of, count);
+    else if (bytes == 32)
+        copy_records(p->record, 32, to, of, count);
+    else if (bytes == 64)
+        copy_records(p->record, 64, to, of, count);
+    else if (bytes == 128)
+        copy_records(p->record, 128, to, of, count);
+    else
+        copy_records(p->record, bytes, to, of, count);
+}
+
+#define DEFINE_ADD_ROWS(real)                                                                                          \
+    static inline __attribute__((always_inline)) void add_##real##_rows(                                               \
+        real *sums, const size_t width, const int32_t *of, const int32_t *copy, int count)                             \
+    {                                                                                                                  \
+        for (int k = 0; k < count; k++) {                                                                              \
+            real *restrict to = sums + width * (size_t)of[k], *restrict from = sums + width * (size_t)copy[k];         \
+            for (size_t c = 0; c < width; c++) {                                                                       \
+                to[c] += from[c];                                                                                      \
+                from[c] = 0;                                                                                           \
+            }                                                                                                          \
+        }                                                                                                              \
+    }
+DEFINE_ADD_ROWS(double)
+DEFINE_ADD_ROWS(float)
+
+void particles_add_rows(struct particles *p, const int32_t *of, const int32_t *copy, int count)
+{
+    const size_t width =
+        (size_t)SUMS_BYTES(p->dimension, frictional(p), p->single) / (p->single ? sizeof(float) : sizeof(double));
+    if (p->single && width == 8)
+        add_float_rows(p->force, 8, of, copy, count);
+    else if (p->single)
+        add_float_rows(p->force, width, of, copy, count);
+    else if (width == 8)
+        add_double_rows(p->force, 8, of, copy, count);
+    else
+        add_double_rows(p->force, width, of, copy, count);
 }
 
 void particles_free(struct particles *p)

@@ -27,8 +27,9 @@ struct particles {
     double *inv_inertia; /* 1/(2/5 m a^2); only with rotations */
     double *x_list[3];   /* positions at the last rebuild of the lists */
     bool single;         /* contacts in float (mixed precision) */
-    int n_padded;        /* of records and sums: whole vectors, and the padding particles behind them */
-    void *record;        /* [n_padded][RECORD_STRIDE] what contacts need, side by side; made by drift */
+    int n_padded;        /* of columns: whole vectors, and the padding particles behind them */
+    int n_rows;          /* of records and rows of sums: n_padded, and room for copies behind them (halo.h) */
+    void *record;        /* [n_rows][RECORD_STRIDE] what contacts need, side by side; made by drift */
     void *force;         /* sums of contact forces [N] and of moments n x f_t [N]: below; rows are zeroed by kick */
     double quantum;      /* single: the unit of u [m] */
     /* Single, what the steps go on with: position x_list + quantum (u + u_rest), velocity v* + v_rest and rotation
@@ -49,8 +50,8 @@ struct particles {
  * (position: x_list + u quantum) and floats: 2D [u0 u1 v0 v1], with friction [omega lag0 lag1 lag_omega]; 3D [u0 u1 u2
  * v0 v1 v2 omega0 omega1], with friction [omega2 lag0 lag1 lag2 lag_omega0 lag_omega1 lag_omega2 -]. Sums, double or
  * float: first a row for each particle, 2D [f0 f1], with friction [f0 f1 moment -]; 3D [f0 f1 f2 -], with friction
- * [moment0 moment1 moment2 -]. Behind the rows a column of n_padded for each component of force and moment, for sums
- * over particles side by side, which the kernel of the pairs starts anew. Torque = -a moment. */
+ * [moment0 moment1 moment2 -]. Behind the n_rows rows a column of n_padded for each component of force and moment, for
+ * sums over particles side by side, which the kernel of the pairs starts anew. Torque = -a moment. */
 #define RECORD_STRIDE(dimension, frictional, single)                                                                   \
     (((dimension) == 2 ? 4 : 8) * ((frictional) ? 2 : 1) / ((single) ? 2 : 1))
 #define SUMS_BYTES(dimension, frictional, single)                                                                      \
@@ -61,12 +62,21 @@ struct particles {
     ((size_t)(rows)*SUMS_BYTES(dimension, frictional, single))
 
 /* Samples from here on are large: they are cut for threads (threads.h). */
-enum { PARTICLES_LARGE_SAMPLE = 10000, PARTICLES_PADDINGS = 32 };
+enum { PARTICLES_LARGE_SAMPLE = 10000, PARTICLES_PADDINGS = 8 };
 
 /* Index of the padding particle, far from everything, that fills up sets of contacts. Large samples have
  * PARTICLES_PADDINGS of them, the k-th the k-th, and no two in one line of memory. */
 int particles_padding(const struct particles *particles);
 int particles_spare_padding(const struct particles *particles, int k);
+
+/* Copies of particles behind all others, rows n_padded and on, which contacts take for others of the same kind:
+ * room for so many rows in all, sums of forces in columns being lost; sums of `count` rows start from zero, and the
+ * last of them is a padding particle; row `to` and on become copies of the `count` particles `of`; and the sums of
+ * `count` copies are added to those of `of` and start anew. Errors: STATUS_NO_MEMORY. */
+enum status particles_reserve_rows(struct particles *particles, int rows) MUST_USE;
+void particles_start_rows(struct particles *particles, int row, int count);
+void particles_copy_rows(struct particles *particles, int to, const int32_t *of, int count);
+void particles_add_rows(struct particles *particles, const int32_t *of, const int32_t *copy, int count);
 
 /* Allocates `count` zeroed particles. Errors: STATUS_NO_MEMORY. */
 enum status particles_init(struct particles *particles, int count, int dimension, bool rotations, bool single) MUST_USE;

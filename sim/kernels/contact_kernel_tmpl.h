@@ -484,7 +484,7 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
                        const struct contact_law_constants *constants, double dt_s, void *force,
                        struct contact_losses *losses)
 {
-    void *own = (char *)force + PARTICLES_COLUMNS_OFFSET(p->n_padded, DIM, FRICTIONAL, SINGLE);
+    void *own = (char *)force + PARTICLES_COLUMNS_OFFSET(p->n_rows, DIM, FRICTIONAL, SINGLE);
     struct NAME(range) range = {.p = p,
                                 .slots = pairs->slots,
                                 .law = NAME(law_of)(constants, dt_s, dt_s, pairs->slots.unit),

@@ -83,7 +83,7 @@ LANES_INLINE void NAME(take_sums)(struct particles *p, int i, real *force, real 
 {
     enum { STRIDE = SUMS_BYTES(DIM, FRICTIONAL, SINGLE) / (int)sizeof(scalar) };
     scalar *rows = (scalar *)p->force + (size_t)i * STRIDE;
-    scalar *own = (scalar *)((char *)p->force + PARTICLES_COLUMNS_OFFSET(p->n_padded, DIM, FRICTIONAL, SINGLE)) + i;
+    scalar *own = (scalar *)((char *)p->force + PARTICLES_COLUMNS_OFFSET(p->n_rows, DIM, FRICTIONAL, SINGLE)) + i;
     real row[8];
     (void)moment;
 #if DIM == 2 && !FRICTIONAL

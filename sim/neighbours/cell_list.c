@@ -110,9 +110,19 @@ static int cell_coordinate(const struct cell_grid *grid, int c, double from_lo)
     return k < 0 ? 0 : k >= grid->n[c] ? grid->n[c] - 1 : k;
 }
 
-static void find_cells(struct cell_list *cells, const struct particles *p)
+struct sorting {
+    struct cell_list *cells;
+    const struct particles *particles;
+};
+
+enum { SORT_GRAIN = 8192 };
+
+static void find_cells(void *context, int first, int end)
 {
-    for (int i = 0; i < p->count; i++) {
+    const struct sorting *sorting = context;
+    struct cell_list *cells = sorting->cells;
+    const struct particles *p = sorting->particles;
+    for (int i = first; i < end; i++) {
         const struct cell_grid *grid = &cells->level[cells->level_of[i]];
         int cell = 0;
         for (int c = p->dimension - 1; c >= 0; c--)
@@ -128,14 +138,30 @@ static void count_and_place(struct cell_list *cells, int count)
     memset(first, 0, ((size_t)cells->total + 2) * sizeof *first);
     for (int i = 0; i < count; i++)
         first[cells->cell_of[i] + 2]++;
-    for (int k = 0; k < cells->total; k++)
+    cells->most = 0;
+    for (int k = 0; k < cells->total; k++) {
+        cells->most = first[k + 2] > cells->most ? first[k + 2] : cells->most;
         first[k + 2] += first[k + 1];
+    }
     for (int i = 0; i < count; i++)
         cells->by_cell[first[cells->cell_of[i] + 1]++] = i;
 }
 
-enum status cell_list_sort(struct cell_list *cells, const struct particles *p, double skin_m)
+static void gather(void *context, int first, int end)
 {
+    const struct sorting *sorting = context;
+    struct cell_list *cells = sorting->cells;
+    const struct particles *p = sorting->particles;
+    for (int m = first; m < end; m++) {
+        cells->radius[m] = p->radius[cells->by_cell[m]];
+        for (int c = 0; c < p->dimension; c++)
+            cells->x[c][m] = p->x[c][cells->by_cell[m]];
+    }
+}
+
+enum status cell_list_sort(struct cell_list *cells, const struct particles *p, double skin_m, struct team *team)
+{
+    struct sorting sorting = {cells, p};
     if (p->count == 0)
         return STATUS_OK;
     for (int c = 0; c < p->dimension; c++)
@@ -150,12 +176,8 @@ enum status cell_list_sort(struct cell_list *cells, const struct particles *p, d
         TRY(array_resize(&cells->cell_first, sizeof(int32_t), (size_t)cells->total + 2, 0));
         cells->capacity = cells->total;
     }
-    find_cells(cells, p);
+    team_run_ranges(team, p->count, SORT_GRAIN, find_cells, &sorting);
     count_and_place(cells, p->count);
-    for (int m = 0; m < p->count; m++) {
-        cells->radius[m] = p->radius[cells->by_cell[m]];
-        for (int c = 0; c < p->dimension; c++)
-            cells->x[c][m] = p->x[c][cells->by_cell[m]];
-    }
+    team_run_ranges(team, p->count, SORT_GRAIN, gather, &sorting);
     return STATUS_OK;
 }

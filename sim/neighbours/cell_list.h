@@ -5,6 +5,7 @@
 
 #include <stdint.h>
 
+#include "sim/base/team.h"
 #include "sim/grains/particles.h"
 
 enum { CELL_LEVELS_MAX = 12 };
@@ -22,6 +23,7 @@ struct cell_grid {
 
 struct cell_list {
     int dimension, n_levels, total;
+    int most;                                /* particles in one cell */
     double lo[3], hi[3];                     /* of the centres [m] */
     struct cell_grid level[CELL_LEVELS_MAX]; /* the largest particles first */
     int32_t *cell_of;                        /* [count] */
@@ -37,8 +39,9 @@ enum status cell_list_init(struct cell_list *cells, const struct particles *part
 void cell_list_free(struct cell_list *cells);
 
 /* Sorts the particles where they are now; cells are at least twice the largest radius of their level and `skin_m` wide.
- * Errors: STATUS_NO_MEMORY. */
-enum status cell_list_sort(struct cell_list *cells, const struct particles *particles, double skin_m) MUST_USE;
+ * The team may be NULL. Errors: STATUS_NO_MEMORY. */
+enum status cell_list_sort(struct cell_list *cells, const struct particles *particles, double skin_m,
+                           struct team *team) MUST_USE;
 
 /* Smallest and largest of x [n], n > 0. */
 void cell_list_range(const double *x, int n, double *lowest, double *highest);

@@ -2,41 +2,76 @@
 
 #include <string.h>
 
-/* Where the history of each slot comes from: twice the slot of `before`, 1 more if it belongs to the other member
- * there; -1: nowhere. In the list's working memory. */
-static enum status find_sources(struct contact_list *list, const struct contact_list *before, const int32_t *source)
+/* A column of the history on its way from one list to another; ranges are of slots, or of members. */
+struct transfer {
+    struct contact_list *to;
+    const struct contact_list *from;
+    const int32_t *source;
+    const struct search *search;
+    int column;
+    float factor; /* of lengths, from one unit to the other */
+};
+
+enum { TRANSFER_GRAIN = 16384 };
+
+static void empty_sources(void *context, int first, int end)
 {
-    const size_t slots = (size_t)list->n_sets * SET_WIDTH;
-    TRY(contact_list_work(list, slots, 0));
-    memset(list->scratch, -1, slots * sizeof *list->scratch);
-    for (int k = 0; before->count && k < list->count; k++) {
-        const uint32_t to = list->slot[k], from = before->slot[source[k] < 0 ? 0 : source[k]];
-        list->scratch[to / 2] = source[k] < 0 ? -1 : (int32_t)(from ^ (to & 1));
+    const struct transfer *t = context;
+    memset(t->to->scratch + first, -1, (size_t)(end - first) * sizeof *t->to->scratch);
+}
+
+static void find_source(void *context, int first, int end)
+{
+    const struct transfer *t = context;
+    for (int k = first; k < end; k++) {
+        const int32_t source = t->source[k];
+        const uint32_t to = t->to->slot[k], from = t->from->slot[source < 0 ? 0 : source];
+        t->to->scratch[to / 2] = source < 0 ? -1 : (int32_t)(from ^ (to & 1));
     }
+}
+
+/* Where the history of each slot comes from: twice the slot of the list before, 1 more if it belongs to the other
+ * member there; -1: nowhere. In the list's working memory. */
+static enum status find_sources(struct transfer *t)
+{
+    const int slots = t->to->n_sets * SET_WIDTH;
+    TRY(contact_list_work(t->to, (size_t)slots, 0));
+    team_run_ranges(t->to->team, slots, TRANSFER_GRAIN, empty_sources, t);
+    if (t->from->count)
+        team_run_ranges(t->to->team, t->to->count, TRANSFER_GRAIN, find_source, t);
     return STATUS_OK;
 }
 
-static void transfer(struct contact_list *to, void *array, const struct contact_list *from, const void *known,
-                     bool turns, const struct search *search)
+static void transfer_slots(void *context, int first, int end)
 {
-    const int slots = to->n_sets * SET_WIDTH;
-    if (from->count == 0)
-        memset(array, 0, (size_t)slots * (to->model.single ? sizeof(float) : sizeof(double)));
-    else if (to->model.single)
-        search->transfer_floats(array, known, to->scratch, slots, turns);
+    const struct transfer *t = context;
+    const size_t real = t->to->model.single ? sizeof(float) : sizeof(double);
+    void *array = (char *)t->to->slots.history[t->column] + real * (size_t)first;
+    const void *known = t->from->slots.history[t->column];
+    const int32_t *source = t->to->scratch + first;
+    const bool turns = history_is_odd(&t->to->model, t->column);
+    if (t->from->count == 0)
+        memset(array, 0, real * (size_t)(end - first));
+    else if (t->to->model.single)
+        t->search->transfer_floats(array, known, source, end - first, turns);
     else
-        search->transfer_doubles(array, known, to->scratch, slots, turns);
+        t->search->transfer_doubles(array, known, source, end - first, turns);
 }
 
-/* Lengths of a list with another unit; they are powers of 2, so that nothing is rounded. */
-static void convert(const struct contact_list *list, int c, double from_unit)
+/* Lengths of a list with another unit; they are powers of 2, so that nothing is rounded. Double has but one. */
+static void convert_slots(void *context, int first, int end)
 {
-    const size_t slots = (size_t)list->n_sets * SET_WIDTH;
-    const float factor = (float)(from_unit / list->slots.unit);
-    if (factor == 1) /* double has but one */
-        return;
-    for (size_t s = 0; s < slots; s++)
-        ((float *)list->slots.history[c])[s] *= factor;
+    const struct transfer *t = context;
+    for (int s = first; s < end; s++)
+        ((float *)t->to->slots.history[t->column])[s] *= t->factor;
+}
+
+static void transfer_column(struct transfer *t)
+{
+    const int slots = t->to->n_sets * SET_WIDTH;
+    team_run_ranges(t->to->team, slots, TRANSFER_GRAIN, transfer_slots, t);
+    if (history_field(t->column)->length && t->factor != 1)
+        team_run_ranges(t->to->team, slots, TRANSFER_GRAIN, convert_slots, t);
 }
 
 enum status history_transfer_close(struct contact_list *list, const struct particles *particles,
@@ -48,14 +83,10 @@ enum status history_transfer_close(struct contact_list *list, const struct parti
     TRY(contact_list_place(list, particles, wall));
     if (list->count == 0)
         return STATUS_OK;
-    TRY(find_sources(list, before, source));
-    for (int c = 0; c < HISTORY_COLUMNS; c++) {
-        if (!history_has(&list->model, c))
-            continue;
-        transfer(list, list->slots.history[c], before, before->slots.history[c], history_is_odd(&list->model, c),
-                 search);
-        if (history_field(c)->length)
-            convert(list, c, before->slots.unit);
-    }
+    struct transfer t = {list, before, source, search, 0, (float)(before->slots.unit / list->slots.unit)};
+    TRY(find_sources(&t));
+    for (t.column = 0; t.column < HISTORY_COLUMNS; t.column++)
+        if (history_has(&list->model, t.column))
+            transfer_column(&t);
     return STATUS_OK;
 }

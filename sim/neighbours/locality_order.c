@@ -5,7 +5,9 @@
 #include <string.h>
 
 #include "sim/base/aligned_array.h"
+#include "sim/contacts/contact_list.h"
 #include "sim/grains/particle_order.h"
+#include "sim/neighbours/bisection.h"
 #include "sim/neighbours/neighbour_chains.h"
 
 /* Smaller samples take a few microseconds a step as they are. */
@@ -58,6 +60,27 @@ static int find_cells(const struct particles *p, int32_t *cell)
     return total;
 }
 
+static int by_key(const void *a, const void *b)
+{
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Large samples: boxes of a span each, and within these by cell. */
+static void order_boxes(const struct particles *p, const int32_t *cell, int32_t *order)
+{
+    uint64_t key[SPAN_WIDTH];
+    bisection_order(p, SPAN_WIDTH, order);
+    for (int first = 0; first < p->count; first += SPAN_WIDTH) {
+        const int n = p->count - first < SPAN_WIDTH ? p->count - first : SPAN_WIDTH;
+        for (int k = 0; k < n; k++)
+            key[k] = (uint64_t)(uint32_t)cell[order[first + k]] << 32 | (uint32_t)order[first + k];
+        qsort(key, (size_t)n, sizeof *key, by_key);
+        for (int k = 0; k < n; k++)
+            order[first + k] = (int32_t)(key[k] & UINT32_MAX);
+    }
+}
+
 /* order[new slot] = old slot: counting sort by cell. */
 static enum status spatial_order(const struct particles *p, int32_t *order)
 {
@@ -70,6 +93,8 @@ static enum status spatial_order(const struct particles *p, int32_t *order)
         first[k + 1] += first[k];
     for (int i = 0; first && i < p->count; i++)
         order[first[cell[i]]++] = i;
+    if (first && p->count >= PARTICLES_LARGE_SAMPLE)
+        order_boxes(p, cell, order);
     enum status status = first ? STATUS_OK : no_memory();
     free(cell);
     free(first);

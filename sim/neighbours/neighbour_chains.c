@@ -3,29 +3,37 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Large samples: places of the order that a path stays within, so that pieces for threads have little in common. */
+/* Large samples: places of the order that a path stays within, the box of a span. */
 enum { STRETCH = SPAN_WIDTH };
 
 struct walk {
     int n;
-    int end;                  /* ranks from here on are out of bounds */
+    int stretch;              /* places that paths stay within */
     int32_t *rank;            /* [n] place in the order that is there already; -1: passed */
     int32_t *left;            /* [n] partners that are not passed yet */
     int32_t *first, *partner; /* [n + 1], [2 pairs] partners of q: partner[first[q]] ... partner[first[q + 1] - 1] */
     int32_t *path, *back;     /* [n] */
 };
 
+static bool within_reach(const struct walk *w, int i, int j)
+{
+    return w->rank[i] / w->stretch == w->rank[j] / w->stretch;
+}
+
 static void find_partners(struct walk *w, const struct contact_list *pairs)
 {
     int32_t *next = w->path; /* only lent */
     for (int k = 0; k < pairs->count; k++) {
-        w->left[pairs->i[k]]++;
-        w->left[pairs->j[k]]++;
+        const bool counts = within_reach(w, pairs->i[k], pairs->j[k]);
+        w->left[pairs->i[k]] += counts;
+        w->left[pairs->j[k]] += counts;
     }
     w->first[0] = 0;
     for (int q = 0; q < w->n; q++)
         w->first[q + 1] = (next[q] = w->first[q]) + w->left[q];
     for (int k = 0; k < pairs->count; k++) {
+        if (!within_reach(w, pairs->i[k], pairs->j[k]))
+            continue;
         w->partner[next[pairs->i[k]]++] = pairs->j[k];
         w->partner[next[pairs->j[k]]++] = pairs->i[k];
     }
@@ -47,7 +55,7 @@ static int next_of(const struct walk *w, int q)
     for (int m = w->first[q]; m < w->first[q + 1]; m++) {
         const int to = w->partner[m];
         const int64_t key = (int64_t)w->left[to] << 32 | w->rank[to];
-        if (w->rank[to] >= 0 && w->rank[to] < w->end && key < least) {
+        if (w->rank[to] >= 0 && key < least) {
             least = key;
             best = to;
         }
@@ -69,11 +77,9 @@ static int go(struct walk *w, int q, int32_t *path)
 /* Both ways from each particle that no path has passed. */
 static void go_everywhere(struct walk *w, const int32_t *start, int32_t *order)
 {
-    const int stretch = w->n < PARTICLES_LARGE_SAMPLE ? w->n : STRETCH;
     int done = 0;
     for (int k = 0; k < w->n; k++) {
         const int q = start[k];
-        w->end = (k / stretch + 1) * stretch;
         if (w->rank[q] < 0)
             continue;
         pass(w, q);
@@ -92,7 +98,9 @@ enum status neighbour_chains_order(const struct contact_list *pairs, int n, int3
     int32_t *memory = calloc(total, sizeof *memory), *start = memory;
     if (!memory)
         return status_fail(STATUS_NO_MEMORY, "no memory for a new order of the particles");
-    struct walk w = {.n = n, .rank = memory + size, .left = memory + 2 * size, .path = memory + 3 * size};
+    const int stretch = n < PARTICLES_LARGE_SAMPLE ? n : STRETCH;
+    struct walk w = {
+        .n = n, .stretch = stretch, .rank = memory + size, .left = memory + 2 * size, .path = memory + 3 * size};
     w.back = memory + 4 * size;
     w.first = memory + 5 * size;
     w.partner = w.first + size + 1;

@@ -19,6 +19,31 @@ struct search search_select(enum instruction_set isa)
     return *of_isa[isa];
 }
 
+enum status search_block_reserve(struct search_block *block, const struct cell_list *cells, int count)
+{
+    enum { AROUND = 27, VECTOR = 16 }; /* cells; each row of them is rounded up to a vector */
+    const int64_t most = (int64_t)AROUND * (cells->most + VECTOR);
+    const int room = cells->n_levels == 1 && most < count ? (int)most : count;
+    if (room <= block->capacity)
+        return STATUS_OK;
+    block->capacity = 0;
+    for (int c = 0; c < cells->dimension; c++)
+        TRY(array_resize(&block->x[c], sizeof(float), (size_t)room, 0));
+    TRY(array_resize(&block->reach, sizeof(float), (size_t)room, 0));
+    TRY(array_resize(&block->id, sizeof(int32_t), (size_t)room, 0));
+    block->capacity = room;
+    return STATUS_OK;
+}
+
+void search_block_free(struct search_block *block)
+{
+    for (int c = 0; c < 3; c++)
+        free(block->x[c]);
+    free(block->reach);
+    free(block->id);
+    memset(block, 0, sizeof *block);
+}
+
 enum status pair_buffer_reserve(struct pair_buffer *pairs, int more)
 {
     if (more <= pairs->capacity - pairs->count)

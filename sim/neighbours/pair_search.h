@@ -15,14 +15,16 @@ struct pair_buffer {
 /* Particles whose distances to those of one cell are looked at, side by side; positions are relative to the cell, so
  * that single precision is enough however large the sample is. */
 struct search_block {
-    float *x[3];  /* [count] m */
+    int capacity;
+    float *x[3];  /* [capacity] m */
     float *reach; /* radius and skin [m] */
     int32_t *id;
 };
 
-/* Appends every pair that is closer than both radii and `skin_m`, and few that are a millionth of a cell farther.
- * `block` has room for all particles. Errors: STATUS_NO_MEMORY, STATUS_LIMIT (more than 2^31 pairs). */
-typedef enum status pair_search(const struct cell_list *cells, double skin_m, struct search_block *block,
+/* Appends every pair that is closer than both radii and `skin_m`, and few that are a millionth of a cell farther, for
+ * the k-th of n pieces of the cells. `block`: search_block_reserve. Errors: STATUS_NO_MEMORY, STATUS_LIMIT (more
+ * than 2^31 pairs). */
+typedef enum status pair_search(const struct cell_list *cells, double skin_m, int k, int n, struct search_block *block,
                                 struct pair_buffer *pairs);
 
 /* to[s] = from[source[s] / 2], the other way round where source[s] is odd and `turns`, or 0 where source[s] < 0;
@@ -41,6 +43,10 @@ struct search {
 };
 
 struct search search_select(enum instruction_set isa);
+
+/* Room for what a cell may have around it, at most all `count` particles. Errors: STATUS_NO_MEMORY. */
+enum status search_block_reserve(struct search_block *block, const struct cell_list *cells, int count) MUST_USE;
+void search_block_free(struct search_block *block);
 
 /* Room for `more` pairs and a vector beyond. Errors: as above. */
 enum status pair_buffer_reserve(struct pair_buffer *pairs, int more) MUST_USE;

@@ -121,8 +121,9 @@ static inline __attribute__((always_inline)) enum status search_cell(const struc
 }
 
 static inline __attribute__((always_inline)) enum status search_level(const struct cell_list *cells, double skin,
-                                                                      struct search_block *block, const int dimension,
-                                                                      int level, struct pair_buffer *pairs)
+                                                                      int piece, int pieces, struct search_block *block,
+                                                                      const int dimension, int level,
+                                                                      struct pair_buffer *pairs)
 {
     struct home home = {.grid = &cells->level[level]};
     const int *size = home.grid->n;
@@ -132,7 +133,8 @@ static inline __attribute__((always_inline)) enum status search_level(const stru
     for (int c = 0; c < dimension; c++)
         widest = fmax(widest, fmin(home.grid->size[c], cells->hi[c] - cells->lo[c]));
     home.skin = skin + 1e-6 * widest;
-    for (int k = 0; k < size[0] * size[1] * size[2]; k++) {
+    const int64_t total = (int64_t)size[0] * size[1] * size[2];
+    for (int k = (int)(total * piece / pieces), end = (int)(total * (piece + 1) / pieces); k < end; k++) {
         int own = cells->cell_first[home.grid->first + k + 1] - cells->cell_first[home.grid->first + k], rest = k;
         if (own == 0)
             continue;
@@ -146,13 +148,13 @@ static inline __attribute__((always_inline)) enum status search_level(const stru
     return STATUS_OK;
 }
 
-static enum status SEARCH_NAME(pairs)(const struct cell_list *cells, double skin, struct search_block *block,
-                                      struct pair_buffer *pairs)
+static enum status SEARCH_NAME(pairs)(const struct cell_list *cells, double skin, int k, int n,
+                                      struct search_block *block, struct pair_buffer *pairs)
 {
     for (int l = 0; l < cells->n_levels; l++)
         if (cells->level[l].count)
-            TRY(cells->dimension == 2 ? search_level(cells, skin, block, 2, l, pairs)
-                                      : search_level(cells, skin, block, 3, l, pairs));
+            TRY(cells->dimension == 2 ? search_level(cells, skin, k, n, block, 2, l, pairs)
+                                      : search_level(cells, skin, k, n, block, 3, l, pairs));
     return STATUS_OK;
 }
 

@@ -11,27 +11,38 @@
 #include "sim/neighbours/cell_list.h"
 #include "sim/neighbours/pair_search.h"
 
+/* What the threads of a large sample find each on its own. */
+struct verlet_piece {
+    struct search_block block;
+    struct pair_buffer found;
+    int32_t *of_span; /* [n_spans] pairs by the span of i; then where the next one goes */
+    enum status status;
+};
+
 struct verlet_list {
-    double skin;        /* of the lists as they are [m] */
-    double skin_fixed;  /* what the scene asks for [m]; 0: tuned while running */
-    double mean_radius; /* m */
-    int64_t built_step; /* of the last build */
+    struct team *team;          /* NULL: the caller alone, with one piece */
+    struct verlet_piece *piece; /* [n_pieces] */
+    int n_pieces, n_spans;
+    int32_t *span_first; /* [n_spans + 1] where the pairs of each span start in the list */
+    double skin;         /* of the lists as they are [m] */
+    double skin_fixed;   /* what the scene asks for [m]; 0: tuned while running */
+    double mean_radius;  /* m */
+    int64_t built_step;  /* of the last build */
     int64_t rebuilds;
     int64_t renumber_steps; /* particles are renumbered at multiples of this; 0: never */
     struct search search;
     struct cell_list cells;
-    struct search_block block;
-    struct pair_buffer found, half_sorted;
+    struct pair_buffer half_sorted;
     int32_t *first_pair_of; /* [count + 2] where the pairs of each i start */
     int32_t *source;        /* where the history of a candidate comes from; -1: it is new */
     int source_capacity;
     struct contact_list spare_pairs, spare_wall; /* the lists under construction */
 };
 
-/* Prepares lists for particles and contacts of a model. skin_ratio: skin over the mean radius; 0: tuned while running.
- * Errors: STATUS_NO_MEMORY. */
+/* Prepares lists for particles and contacts of a model, built by a team, or, without one (NULL), by the caller alone:
+ * the same lists. skin_ratio: skin over the mean radius; 0: tuned while running. Errors: STATUS_NO_MEMORY. */
 enum status verlet_list_init(struct verlet_list *verlet, const struct particles *particles, double skin_ratio,
-                             const struct contact_model *model, enum instruction_set isa) MUST_USE;
+                             const struct contact_model *model, enum instruction_set isa, struct team *team) MUST_USE;
 void verlet_list_free(struct verlet_list *verlet);
 
 /* Builds `pairs` and the walls' lists anew for the current positions: every pair closer than the radii and the skin,

@@ -65,12 +65,18 @@ static enum status create_and(struct sample **sample, const struct scene *scene,
     return status;
 }
 
+static enum status cut_lists(struct sample *sample)
+{
+    return threads_cut(&sample->threads, &sample->particles, &sample->pairs, sample->walls, sample->n_walls);
+}
+
 enum status sample_init_lists(struct sample *sample)
 {
-    TRY(verlet_list_init(&sample->verlet, &sample->particles, sample->scene->neighbor.skin_ratio, &sample->pairs.model,
-                         sample->isa));
     TRY(threads_init(&sample->threads, &sample->particles, sample->scene->threads));
-    threads_cut(&sample->threads, &sample->particles, &sample->pairs);
+    TRY(verlet_list_init(&sample->verlet, &sample->particles, sample->scene->neighbor.skin_ratio, &sample->pairs.model,
+                         sample->isa, sample->threads.team));
+    sample->pairs.team = sample->threads.team;
+    TRY(cut_lists(sample));
     sample->verlet.renumber_steps =
         locality_order_interval(sample->scene->neighbor.renumber_steps, sample->particles.count);
     return STATUS_OK;
@@ -79,8 +85,7 @@ enum status sample_init_lists(struct sample *sample)
 enum status sample_build_lists(struct sample *sample)
 {
     TRY(verlet_list_build(&sample->verlet, &sample->particles, &sample->pairs, sample->walls, sample->n_walls));
-    threads_cut(&sample->threads, &sample->particles, &sample->pairs);
-    return STATUS_OK;
+    return cut_lists(sample);
 }
 
 enum status sample_close_lists(struct sample *sample)
@@ -88,7 +93,7 @@ enum status sample_close_lists(struct sample *sample)
     TRY(contact_list_close(&sample->pairs, &sample->particles, NULL));
     for (int w = 0; w < sample->n_walls; w++)
         TRY(contact_list_close(&sample->walls[w].contacts, &sample->particles, &sample->walls[w]));
-    return STATUS_OK;
+    return cut_lists(sample);
 }
 
 enum status sample_start(struct sample *sample)

@@ -67,13 +67,6 @@ static struct contact_list *list_of(struct sample *sample, int l)
     return l == 0 ? &sample->pairs : &sample->walls[l - 1].contacts;
 }
 
-static enum status lists_ready(struct sample *sample)
-{
-    TRY(sample_close_lists(sample));
-    threads_cut(&sample->threads, &sample->particles, &sample->pairs);
-    return STATUS_OK;
-}
-
 /* In a stage whose friction has no springs, or that has no friction, contacts remember none. */
 static enum status forget_friction(struct sample *sample)
 {
@@ -85,7 +78,7 @@ static enum status forget_friction(struct sample *sample)
                 !has_spring(law_of_list(sample, l), c))
                 memset(list->history[c], 0, (size_t)list->count * sizeof(double));
     }
-    return lists_ready(sample);
+    return sample_close_lists(sample);
 }
 
 static void set_spring(struct contact_list *list, int c, int rest, int k, double now)
@@ -125,7 +118,7 @@ enum status stage_settle_springs(struct sample *sample)
             for (int k = 0; k < list->count && law_of_list(sample, l)->springs; k++)
                 settle_spring(whole, list, l, k);
         }
-        TRY(lists_ready(sample));
+        TRY(sample_close_lists(sample));
     }
     sample->kicked_s = 0;
     return STATUS_OK;

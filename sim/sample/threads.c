@@ -6,23 +6,14 @@
 
 #include "sim/base/aligned_array.h"
 
-/* Pieces of the pairs: powers of two, so that each is two of the next number. Of a single span, pieces on both sides
- * would add to its sums at the same time. */
-enum { PIECES_LEAST = 4, PIECES_MAX = PARTICLES_PADDINGS, SPANS_LEAST = 2 };
-enum { NO_PIECE = -1, SEVERAL = -2 }; /* threads_part.piece: nobody has added yet; several at the same time do */
-
-/* Spans that the sums of a part wait for, in the mean: if they are more, it has left the nearer caches before it is
- * complete, and going on with it at once gains nothing (docs/performance.md). */
-static const double WAIT_MAX = 2;
-
 static enum status no_memory(void)
 {
-    return status_fail(STATUS_NO_MEMORY, "no memory for the pieces of the threads");
+    return status_fail(STATUS_NO_MEMORY, "no memory for the parts of the threads");
 }
 
 enum status threads_init(struct threads *threads, const struct particles *p, int64_t wanted)
 {
-    *threads = (struct threads){.n = 1, .n_parts = 1, .n_cuts = 1};
+    *threads = (struct threads){.n = 1, .n_parts = 1};
     if (p->count < PARTICLES_LARGE_SAMPLE)
         return STATUS_OK;
     threads->n_parts = (p->count + SPAN_WIDTH - 1) / SPAN_WIDTH;
@@ -30,149 +21,57 @@ enum status threads_init(struct threads *threads, const struct particles *p, int
     threads->n = n < threads->n_parts ? n : threads->n_parts;
     threads->choice = thread_choice_of(threads->n);
     TRY(team_create(&threads->team, threads->n));
-    threads->piece = calloc(PIECES_MAX, sizeof *threads->piece);
+    TRY(halo_init(&threads->halo, threads->n_parts));
+    threads->losses = calloc((size_t)threads->halo.blocks_max, sizeof *threads->losses);
     threads->part = calloc((size_t)threads->n_parts, sizeof *threads->part);
-    return threads->piece && threads->part ? STATUS_OK : no_memory();
+    return threads->losses && threads->part ? STATUS_OK : no_memory();
 }
 
 void threads_free(struct threads *threads)
 {
     team_free(threads->team);
-    free(threads->piece);
+    halo_free(&threads->halo);
+    free(threads->losses);
     free(threads->part);
+    free(threads->piece);
     memset(threads, 0, sizeof *threads);
 }
 
-/* The rows that the k-th piece adds to, but for its padding particle, which is made its own: cores that share a line
- * of memory wait for each other. */
-static void take_piece(struct threads_piece *piece, int k, const struct particles *p, struct contact_list *pairs)
+static int pieces_of(const struct wall *wall)
 {
-    const uint32_t stride = RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->single);
-    const uint32_t padding = stride * (uint32_t)particles_padding(p),
-                   own = stride * (uint32_t)particles_spare_padding(p, k);
-    uint32_t lo = UINT32_MAX, hi = 0;
-    uint32_t *row = pairs->slots.partner;
-    const struct contact_span *first = &pairs->slots.span[piece->first_span],
-                              *last = &pairs->slots.span[piece->last_span - 1];
-    for (int s = first->next * SET_WIDTH; s < last->end * SET_WIDTH; s++) {
-        const bool empty = row[s] == padding;
-        lo = row[s] < lo ? row[s] : lo;
-        hi = !empty && row[s] > hi ? row[s] : hi;
-        row[s] = empty ? own : row[s];
-    }
-    piece->lo = (int)(lo / stride) < first->first ? (int)(lo / stride) : first->first;
-    piece->hi = (int)(hi / stride) >= last->last ? (int)(hi / stride) : last->last - 1;
+    return (wall->contacts.n_sets + THREADS_PIECE_SETS - 1) / THREADS_PIECE_SETS;
 }
 
-/* Whether pieces that are at work at the same time have nothing in common; and how often the rows would be read, which
- * is more than once where pieces meet [rows]. */
-static bool are_apart(const struct threads *threads, int n, int64_t *rows)
+/* Whether two sorted lists have no particle in common. */
+static bool are_apart(const struct contact_list *a, const struct contact_list *b)
 {
-    bool apart = true;
-    *rows = 0;
-    for (int k = 0; k < n; k++) {
-        const struct threads_piece *piece = &threads->piece[k];
-        *rows += piece->hi - piece->lo + 1;
-        for (int m = k + 2; m < n; m += 2)
-            apart = apart && piece->hi < threads->piece[m].lo;
+    for (int k = 0, m = 0; k < a->count && m < b->count;) {
+        if (a->i[k] == b->i[m])
+            return false;
+        if (a->i[k] < b->i[m])
+            k++;
+        else
+            m++;
     }
-    return apart;
+    return true;
 }
 
-/* Two pieces become one. */
-static void join_pieces(struct threads *threads, int n)
+enum status threads_cut(struct threads *threads, struct particles *p, struct contact_list *pairs,
+                        const struct wall *walls, int n_walls)
 {
-    for (int k = 0; k < n / 2; k++) {
-        const struct threads_piece a = threads->piece[2 * k], b = threads->piece[2 * k + 1];
-        threads->piece[k] = (struct threads_piece){.first_span = a.first_span,
-                                                   .last_span = b.last_span,
-                                                   .lo = a.lo < b.lo ? a.lo : b.lo,
-                                                   .hi = a.hi > b.hi ? a.hi : b.hi};
+    int pieces = 0;
+    if (threads->n_parts <= 1)
+        return STATUS_OK;
+    for (int w = 0; w < n_walls; w++)
+        pieces += pieces_of(&walls[w]);
+    if (pieces > threads->piece_capacity) {
+        threads->piece_capacity = 0;
+        TRY(array_resize(&threads->piece, sizeof *threads->piece, 2 * (size_t)pieces, 0));
+        threads->piece_capacity = 2 * pieces;
     }
-}
-
-/* As many pieces as are apart and add no more than half to the rows read; but at least a few. */
-static void cut_pairs(struct threads *threads, const struct particles *p, struct contact_list *pairs)
-{
-    int n = PIECES_MAX;
-    int64_t rows;
-    threads->n_cuts = 1;
-    threads->piece[0] = (struct threads_piece){.last_span = pairs->slots.n_spans, .hi = p->count - 1};
-    while (n * SPANS_LEAST > pairs->slots.n_spans)
-        n /= 2;
-    if (n < PIECES_LEAST)
-        return;
-    for (int k = 0; k < n; k++) {
-        struct threads_piece *piece = &threads->piece[k];
-        piece->first_span = (int)((int64_t)pairs->slots.n_spans * k / n);
-        piece->last_span = (int)((int64_t)pairs->slots.n_spans * (k + 1) / n);
-        take_piece(piece, k, p, pairs);
-    }
-    for (; n > PIECES_LEAST && !(are_apart(threads, n, &rows) && rows < 3 * (int64_t)p->count / 2); n /= 2)
-        join_pieces(threads, n);
-    if (are_apart(threads, n, &rows))
-        threads->n_cuts = n;
-    else
-        threads->piece[0] = (struct threads_piece){.last_span = pairs->slots.n_spans, .hi = p->count - 1};
-}
-
-/* Span s of piece k adds to the sums of a part; after all spans before it in the list. Odd pieces come after even ones,
- * and those of a kind at the same time. */
-static void add_to(struct threads_part *part, int k, int s)
-{
-    if (part->piece != k && part->piece != NO_PIECE) {
-        if (k % 2 < part->piece % 2)
-            return;
-        if (part->piece == SEVERAL || k % 2 == part->piece % 2) {
-            part->piece = SEVERAL;
-            return;
-        }
-    }
-    part->piece = k;
-    part->complete = s;
-}
-
-static void add_piece(struct threads *threads, int k, const struct particles *p, const struct contact_list *pairs)
-{
-    const uint32_t per_part = SPAN_WIDTH * RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->single);
-    const struct threads_piece *piece = &threads->piece[k];
-    for (int s = piece->first_span; s < piece->last_span; s++) {
-        const struct contact_span *span = &pairs->slots.span[s];
-        add_to(&threads->part[s], k, s);
-        for (int at = span->whole * SET_WIDTH; at < span->end * SET_WIDTH; at++) {
-            const uint32_t part = pairs->slots.partner[at] / per_part;
-            if (part < (uint32_t)threads->n_parts) /* padding may be behind all */
-                add_to(&threads->part[part], k, s);
-        }
-    }
-}
-
-/* When the sums of each part are complete; the parts of a piece one after the other. */
-static void find_complete(struct threads *threads, const struct particles *p, const struct contact_list *pairs)
-{
-    int64_t waits = 0;
-    int last[PIECES_MAX] = {0};
-    for (int q = 0; q < threads->n_parts; q++)
-        threads->part[q] = (struct threads_part){.piece = NO_PIECE};
-    for (int k = 0; k < threads->n_cuts; k++)
-        add_piece(threads, k, p, pairs);
-    for (int q = 0; q < threads->n_parts; q++) {
-        struct threads_part *part = &threads->part[q];
-        if (part->piece < 0)
-            continue;
-        last[part->piece] = last[part->piece] > part->complete ? last[part->piece] : part->complete;
-        part->complete = last[part->piece];
-        waits += part->complete > q ? part->complete - q : 0;
-    }
-    threads->sweeps = (double)waits <= WAIT_MAX * threads->n_parts;
-}
-
-void threads_cut(struct threads *threads, const struct particles *p, struct contact_list *pairs)
-{
-    if (threads->n_parts == 1)
-        return;
-    cut_pairs(threads, p, pairs);
-    find_complete(threads, p, pairs);
+    for (int w = 0; w + 1 < n_walls; w += 2)
+        threads->apart[w / 2] = are_apart(&walls[w].contacts, &walls[w + 1].contacts);
+    return halo_cut(&threads->halo, threads->team, p, pairs);
 }
 
 /* The same particles, of which drift and kick treat part q. */
@@ -184,6 +83,13 @@ static struct particles part_of(const struct particles *p, int q)
     return part;
 }
 
+static double now_s(void)
+{
+    struct timespec t;
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
 /* What the threads are at work on. */
 struct work {
     struct threads *threads;
@@ -193,60 +99,148 @@ struct work {
     const struct contact_law_constants *law;
     double dt_s;
     const struct threads_sweep *sweep; /* NULL: pairs alone */
-    int turn;                          /* pieces 2 k + turn */
 };
 
-static void advance_part(const struct work *work, int q)
+static void advance_part(void *context, int q)
 {
+    const struct work *work = context;
     struct threads_part *part = &work->threads->part[q];
     const struct threads_sweep *sweep = work->sweep;
     struct particles particles = part_of(work->particles, q);
     part->far = work->kernels->advance(&particles, sweep->kick, sweep->dt_s, sweep->reach_m, &part->power);
 }
 
-/* The pairs of piece k, span by span; with a sweep also the parts that are complete with it. */
-static void go_through_piece(const struct work *work, int k)
-{
-    struct threads_piece *piece = &work->threads->piece[k];
-    const struct threads_part *part = work->threads->part;
-    const int end = piece->hi / SPAN_WIDTH + 1;
-    int q = piece->lo / SPAN_WIDTH;
-    piece->losses = (struct contact_losses){0};
-    for (int s = piece->first_span; s < piece->last_span; s++) {
-        work->kernels->pair(work->particles, work->pairs, s, s + 1, work->law, work->dt_s, work->particles->force,
-                            &piece->losses);
-        for (; work->sweep && q < end && (part[q].piece != k || part[q].complete <= s); q++)
-            if (part[q].piece == k)
-                advance_part(work, q);
-    }
-}
-
-static void go_through_turn(void *context, int k)
+/* The sums of part q are complete if this was the last of the blocks that add to them: then nobody looks at its
+ * particles any more, as these blocks are those that have copies of them. */
+static void finish_part(void *context, int q)
 {
     const struct work *work = context;
-    go_through_piece(work, 2 * k + work->turn);
+    struct halo_part *part = &work->threads->halo.part[q];
+    if (atomic_fetch_sub(&part->left, 1) > 1)
+        return;
+    atomic_store_explicit(&part->left, part->blocks, memory_order_relaxed);
+    halo_add(&work->threads->halo, work->particles, q);
+    if (work->sweep)
+        advance_part(context, q);
 }
 
-/* All pieces, the even ones first. */
-static void go_through_pieces(struct work *work, struct contact_losses *losses)
+/* The pairs of block b, and the parts that are complete with it: those are still in the caches. */
+static void go_through_block(void *context, int b)
 {
-    struct threads *threads = work->threads;
-    const int n = threads->n_cuts;
-    for (work->turn = 0; work->turn < 2; work->turn++)
-        team_run(threads->team, (n + 1 - work->turn) / 2, go_through_turn, work);
-    for (int k = 0; k < n; k++)
-        contact_losses_add(losses, &threads->piece[k].losses);
+    const struct work *work = context;
+    const struct halo_block *block = &work->threads->halo.block[b];
+    const double start = work->threads->block_s ? now_s() : 0;
+    work->threads->losses[b] = (struct contact_losses){0};
+    halo_fetch(&work->threads->halo, work->particles, b);
+    work->kernels->pair(work->particles, work->pairs, block->first_span, block->last_span, work->law, work->dt_s,
+                        work->particles->force, &work->threads->losses[b]);
+    for (int k = 0; k < block->n_parts; k++)
+        finish_part(context, block->part[k]);
+    if (work->threads->block_s)
+        work->threads->block_s[b] = now_s() - start;
+}
+
+static void go_through_all(struct work *work, struct contact_losses *losses)
+{
+    const struct halo *halo = &work->threads->halo;
+    if (halo->n_blocks == 1) {
+        work->kernels->pair(work->particles, work->pairs, 0, work->pairs->slots.n_spans, work->law, work->dt_s,
+                            work->particles->force, losses);
+        if (work->sweep)
+            team_run(work->threads->team, work->threads->n_parts, advance_part, work);
+        return;
+    }
+    team_run(work->threads->team, halo->n_blocks, go_through_block, work);
+    for (int b = 0; b < halo->n_blocks; b++)
+        contact_losses_add(losses, &work->threads->losses[b]);
 }
 
 void threads_pair(struct threads *threads, const struct kernels *kernels, struct particles *p,
                   struct contact_list *pairs, const struct contact_law_constants *law, double dt_s,
                   struct contact_losses *losses)
 {
-    struct work work = {threads, kernels, p, pairs, law, dt_s, NULL, 0};
+    struct work work = {threads, kernels, p, pairs, law, dt_s, NULL};
     if (threads->n_parts == 1)
         kernels->pair(p, pairs, 0, pairs->slots.n_spans, law, dt_s, p->force, losses);
     else
-        go_through_pieces(&work, losses);
+        go_through_all(&work, losses);
+}
+
+/* One wall, or two that have no particle in common. */
+struct wall_work {
+    const struct kernels *kernels;
+    struct particles *particles;
+    const struct wall *walls;
+    int n_walls;
+    const struct contact_law_constants *law;
+    double dt_s;
+    struct threads_piece *piece;
+};
+
+static void *skip(void *array, size_t count, bool single)
+{
+    return array ? (char *)array + count * (single ? sizeof(float) : sizeof(double)) : NULL;
+}
+
+/* The same wall with the contacts of its k-th piece alone. */
+static struct wall piece_of(const struct wall *wall, int k)
+{
+    struct wall piece = *wall;
+    struct contact_slots *slots = &piece.contacts.slots;
+    const int rest = wall->contacts.n_sets - k * THREADS_PIECE_SETS;
+    const size_t first = (size_t)k * THREADS_PIECE_SETS * SET_WIDTH;
+    const bool single = wall->contacts.model.single;
+    piece.contacts.n_sets = rest < THREADS_PIECE_SETS ? rest : THREADS_PIECE_SETS;
+    slots->partner += first;
+    slots->gap = skip(slots->gap, first, true);
+    slots->reach = skip(slots->reach, first, single);
+    for (int c = 0; c < PAIR_CONSTANTS; c++)
+        slots->pair[c] = skip(slots->pair[c], first, single);
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        slots->history[c] = skip(slots->history[c], first, single);
+    return piece;
+}
+
+static void go_along_wall(void *context, int k)
+{
+    const struct wall_work *work = context;
+    struct threads_piece *piece = &work->piece[k];
+    const int of_first = pieces_of(&work->walls[0]);
+    struct wall wall = k < of_first ? piece_of(&work->walls[0], k) : piece_of(&work->walls[1], k - of_first);
+    piece->losses = (struct contact_losses){0};
+    work->kernels->wall(work->particles, &wall, work->law, work->dt_s, &piece->losses);
+    piece->force = wall.force;
+    piece->touching = wall.touching;
+}
+
+/* The pieces' sums, in their order. */
+static const struct threads_piece *add_pieces(const struct threads_piece *piece, struct wall *wall,
+                                              struct contact_losses *losses)
+{
+    wall->force = 0;
+    wall->touching = 0;
+    for (int k = pieces_of(wall); k > 0; k--, piece++) {
+        wall->force += piece->force;
+        wall->touching += piece->touching;
+        contact_losses_add(losses, &piece->losses);
+    }
+    return piece;
+}
+
+void threads_walls(struct threads *threads, const struct kernels *kernels, struct particles *p, struct wall *walls,
+                   int n_walls, const struct contact_law_constants *law_of_axis, double dt_s,
+                   struct contact_losses *losses)
+{
+    for (int w = 0; w < n_walls && threads->n_parts == 1; w++)
+        kernels->wall(p, &walls[w], &law_of_axis[w / 2], dt_s, losses);
+    for (int w = 0, n; w < n_walls && threads->n_parts > 1; w += n) {
+        n = w % 2 == 0 && w + 1 < n_walls && threads->apart[w / 2] ? 2 : 1;
+        struct wall_work work = {kernels, p, &walls[w], n, &law_of_axis[w / 2], dt_s, threads->piece};
+        team_run(threads->team, pieces_of(&walls[w]) + (n > 1 ? pieces_of(&walls[w + 1]) : 0), go_along_wall, &work);
+        const struct threads_piece *piece = threads->piece;
+        for (int k = 0; k < n; k++)
+            piece = add_pieces(piece, &walls[w + k], losses);
+    }
 }
 
 struct drift_work {
@@ -313,35 +307,17 @@ double threads_kick(struct threads *threads, const struct kernels *kernels, stru
     return sum_power(threads);
 }
 
-/* Parts that no piece has gone on with: all, without a sweep. */
-static void advance_if_left(void *context, int q)
-{
-    const struct work *work = context;
-    const struct threads *threads = work->threads;
-    if (!threads->sweeps || threads->part[q].piece < 0)
-        advance_part(work, q);
-}
-
-static double now_s(void)
-{
-    struct timespec t;
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 bool threads_sweep(struct threads *threads, const struct kernels *kernels, struct particles *p,
                    struct contact_list *pairs, const struct threads_sweep *sweep, struct contact_losses *losses,
                    double *background_w)
 {
-    struct work work = {threads, kernels, p, pairs, sweep->law, sweep->dt_s, threads->sweeps ? sweep : NULL, 0},
-                rest = {threads, kernels, p, pairs, sweep->law, sweep->dt_s, sweep, 0};
+    struct work work = {threads, kernels, p, pairs, sweep->law, sweep->dt_s, sweep};
     if (threads->n_parts == 1) {
         kernels->pair(p, pairs, 0, pairs->slots.n_spans, sweep->law, sweep->dt_s, p->force, losses);
         return kernels->advance(p, sweep->kick, sweep->dt_s, sweep->reach_m, background_w);
     }
     const double start = now_s();
-    go_through_pieces(&work, losses);
-    team_run(threads->team, threads->n_parts, advance_if_left, &rest);
+    go_through_all(&work, losses);
     *background_w = sum_power(threads);
     thread_choice_step(&threads->choice, now_s() - start);
     team_use(threads->team, threads->choice.use);

@@ -1,26 +1,27 @@
-/* Large samples on several threads, with the same bits for any number of them: pairs and particles are cut into pieces
- * that depend on the sample alone. Pieces of the pairs follow each other in space, and the even ones come before the
- * odd ones, so that those at work at the same time have no particle in common. */
+/* Large samples on several threads, with the same bits for any number of them: pairs are cut into blocks, particles
+ * into parts and walls into pieces that depend on the sample alone (halo.h), and sums over these have a fixed order. */
 #ifndef SHAKEDOWN_SIM_SAMPLE_THREADS_H
 #define SHAKEDOWN_SIM_SAMPLE_THREADS_H
 
 #include "sim/base/team.h"
 #include "sim/kernels/kernels.h"
+#include "sim/sample/halo.h"
 #include "sim/sample/thread_choice.h"
 
-/* Of the list: the spans of one piece, and the first and the last row of the particles that they touch. */
-struct threads_piece {
-    int first_span, last_span;
-    int lo, hi;
-    struct contact_losses losses;
-};
+/* Sets in a piece of a wall's contacts: short, so that all threads have some, but longer than it takes to hand out. */
+enum { THREADS_PIECE_SETS = 32 };
 
 /* Of the particles: those of one span. */
 struct threads_part {
-    int piece;    /* the last one to add to their sums; below 0: there is none such */
-    int complete; /* and after which of its spans these are complete, if not before */
     double power; /* of the background */
     bool far;
+};
+
+/* Of a wall's contacts: some sets of them. */
+struct threads_piece {
+    double force;
+    int touching;
+    struct contact_losses losses;
 };
 
 struct threads {
@@ -28,10 +29,13 @@ struct threads {
     struct thread_choice choice; /* how many of them */
     struct team *team;           /* NULL: a small sample */
     int n_parts;                 /* of the particles; 1: a small sample, in one go */
-    int n_cuts;                  /* of the pairs; 1: in one go, as particles in no order in space are */
-    bool sweeps;                 /* a step goes on with a part as soon as its sums are complete */
-    struct threads_piece *piece; /* [PIECES_MAX] */
     struct threads_part *part;   /* [n_parts] */
+    struct halo halo;
+    struct contact_losses *losses; /* [halo.blocks_max] */
+    double *block_s;               /* [halo.blocks_max] time of each block in the last step; NULL: nobody asks */
+    struct threads_piece *piece;   /* [piece_capacity] */
+    int piece_capacity;
+    bool apart[3]; /* no particle can touch both walls of an axis */
 };
 
 /* At most as many threads as wanted; 0: as the number of particles and the CPUs of this process suggest. Errors:
@@ -39,13 +43,18 @@ struct threads {
 enum status threads_init(struct threads *threads, const struct particles *particles, int64_t wanted) MUST_USE;
 void threads_free(struct threads *threads);
 
-/* To be called when the list of pairs has been built. Every piece gets a padding particle of its own. */
-void threads_cut(struct threads *threads, const struct particles *particles, struct contact_list *pairs);
+/* To be called when the lists of pairs and walls have been closed. Errors: STATUS_NO_MEMORY. */
+enum status threads_cut(struct threads *threads, struct particles *particles, struct contact_list *pairs,
+                        const struct wall *walls, int n_walls) MUST_USE;
 
-/* The kernels on all threads: as pair_kernel over the whole list into particles->force, and as those of their names. */
+/* The kernels on all threads: as pair_kernel over the whole list into particles->force, as wall_kernel for all walls,
+ * and as those of their names. */
 void threads_pair(struct threads *threads, const struct kernels *kernels, struct particles *particles,
                   struct contact_list *pairs, const struct contact_law_constants *law, double dt_s,
                   struct contact_losses *losses);
+void threads_walls(struct threads *threads, const struct kernels *kernels, struct particles *particles,
+                   struct wall *walls, int n_walls, const struct contact_law_constants *law_of_axis, double dt_s,
+                   struct contact_losses *losses);
 bool threads_drift(struct threads *threads, const struct kernels *kernels, struct particles *particles, double dt_s,
                    double before_s, double reach_m);
 double threads_kick(struct threads *threads, const struct kernels *kernels, struct particles *particles,

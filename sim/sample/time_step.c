@@ -17,8 +17,8 @@
 static void wall_forces(struct sample *sample, double dt)
 {
     struct contact_losses lost = {0};
-    for (int w = 0; w < sample->n_walls; w++)
-        sample->kernels.wall(&sample->particles, &sample->walls[w], &sample->wall_law[w / 2], dt, &lost);
+    threads_walls(&sample->threads, &sample->kernels, &sample->particles, sample->walls, sample->n_walls,
+                  sample->wall_law, dt, &lost);
     contact_losses_add(&sample->ledger.contacts, &lost);
 }
 
