@@ -72,6 +72,7 @@ struct row {
     double setup_s, step_us, pair_us, walls_us, drift_us, kick_us, build_us;
     double *block_us; /* least time of each block, with one thread; NULL: not cut into blocks */
     int n_blocks, n_pieces;
+    double rest_us;         /* of a step outside of blocks */
     double job_us;          /* a job without pieces that take any time */
     double builds_per_step; /* of the lists, while steps were timed: how fast the particles of this sample move */
 };
@@ -250,20 +251,29 @@ static double bytes_moved(const struct sample *sample)
     return (double)slot * SET_WIDTH * sample->pairs.n_sets + (double)(pair + advance) * p->count;
 }
 
-static void nothing(void *context, int piece)
+static const double PIECE_S = 5e-6;
+
+static void spin(void *context, int piece)
 {
     (void)context;
     (void)piece;
+    for (const double start = clock_now_s(); clock_now_s() - start < PIECE_S;)
+        ;
 }
 
-/* With more than one thread: what it takes to hand out a job. */
+/* With more than one thread: what it takes to hand out a job with a piece for each of them, and to see its end. */
 static void time_jobs(struct sample *sample, struct row *row)
 {
-    enum { JOBS = 20000 };
-    const double start = clock_now_s();
-    for (int k = 0; k < JOBS; k++)
-        team_run(sample->threads.team, 4 * row->threads, nothing, NULL);
-    row->job_us = 1e6 * (clock_now_s() - start) / JOBS;
+    enum { JOBS = 2000 };
+    if (!sample->threads.team || row->threads < 2)
+        return;
+    team_use(sample->threads.team, row->threads);
+    row->job_us = INFINITY;
+    for (int k = 0; k < JOBS; k++) {
+        const double start = clock_now_s();
+        team_run(sample->threads.team, row->threads, spin, NULL);
+        row->job_us = fmin(row->job_us, 1e6 * (clock_now_s() - start - PIECE_S));
+    }
 }
 
 /* With one thread: the least time of each block in steps that do not build the lists. */
@@ -283,10 +293,16 @@ static enum status time_blocks(struct sample *sample, struct row *row)
         row->n_pieces += (sample->walls[w].contacts.n_sets + THREADS_PIECE_SETS - 1) / THREADS_PIECE_SETS;
     for (int b = 0; b < n; b++)
         row->block_us[b] = INFINITY;
+    row->rest_us = INFINITY;
     for (int k = 0; k < STEPS; k++) {
+        const double start = clock_now_s();
         TRY(sample_step_open(sample));
-        for (int b = 0; k > 0 && b < n; b++)
+        double rest_us = 1e6 * (clock_now_s() - start);
+        for (int b = 0; k > 0 && b < n; b++) {
             row->block_us[b] = fmin(row->block_us[b], 1e6 * threads->block_s[b]);
+            rest_us -= 1e6 * threads->block_s[b];
+        }
+        row->rest_us = fmin(row->rest_us, rest_us);
     }
     free(threads->block_s);
     threads->block_s = NULL;
@@ -386,7 +402,7 @@ static void report_model(const struct kind *kind, const struct row *one, const s
         return;
     for (int b = 0; b < one->n_blocks; b++)
         blocks_us += one->block_us[b];
-    const double rest = one->step_us - blocks_us - one->walls_us;
+    const double rest = one->rest_us - one->walls_us;
     const struct scaling_model model = {one->n_blocks, one->block_us, one->walls_us, one->n_pieces, jobs,
                                         fmax(rest, 0), two->job_us,   one->bytes_mb, bandwidth};
     printf("%8d, model, %d blocks, %.0f us + %.0f us walls + %.0f us serial, %.1f us a job, %.0f GB/s:", one->count,
