@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "sim/base/random.h"
+#include "sim/run/checkpoint.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
 
@@ -81,6 +82,40 @@ static void any_number_gives_the_same_bits(void **state)
     }
 }
 
+/* A sample that was saved between two builds of its lists, in blocks, goes on with the same bits before the next build
+ * and after it, whatever the number of threads. */
+static void resumed_samples_sum_in_the_same_order(void **state)
+{
+    static const char path[] = "test_threads.h5";
+    (void)state;
+    for (int model = 0; model < 4; model++) {
+        const int threads = 1 + model % 2;
+        struct fixture whole = crowd(2 + model / 2, LARGE, threads, model % 2 ? "mixed" : "double");
+        const struct run_progress progress = {0};
+        struct run_progress taken;
+        struct sample *resumed;
+        while (whole.sample->step < STEPS || whole.sample->verlet.built_step == whole.sample->step)
+            fixture_steps(&whole, 1);
+        must(checkpoint_write(path, whole.sample, &progress));
+        must(checkpoint_resume(path, whole.scene, &resumed, &taken));
+        const int64_t rebuilds = whole.sample->verlet.rebuilds;
+        assert_int_equal(resumed->threads.n, threads);
+        assert_true(whole.sample->threads.halo.n_blocks > 1);
+        assert_int_equal(resumed->threads.halo.n_blocks, whole.sample->threads.halo.n_blocks);
+        for (int k = 0; k < STEPS; k++) {
+            fixture_steps(&whole, 1);
+            must(sample_step(resumed));
+            assert_true(k > 0 || whole.sample->verlet.rebuilds == rebuilds);
+            assert_true(sample_hash(sample_complete(whole.sample)) == sample_hash(sample_complete(resumed)));
+            assert_true(same_losses(&whole.sample->ledger, &resumed->ledger));
+        }
+        assert_true(whole.sample->verlet.rebuilds > rebuilds);
+        sample_free(resumed);
+        fixture_close(&whole);
+    }
+    assert_int_equal(remove(path), 0);
+}
+
 /* Against the sum in one go, which the small samples use: rounding alone. Speeds are about 1 m/s, so each step rounds
  * at 1e-16 m/s, and a few dozen steps of soft contacts amplify little. */
 static void pieces_add_up(void **state)
@@ -123,6 +158,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_number_gives_the_same_bits),
+        cmocka_unit_test(resumed_samples_sum_in_the_same_order),
         cmocka_unit_test(pieces_add_up),
         cmocka_unit_test(small_samples_are_left_alone),
     };
