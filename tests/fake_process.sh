@@ -14,10 +14,14 @@ argument_after() { # OPTION
     done
 }
 
-# Until SIGINT or a line in the pipe; bounded, so that a failed test leaves nothing behind.
+# Until SIGINT or a line in the pipe; bounded, so that a failed test leaves nothing behind. In short pieces: bash hears a
+# signal that comes just before `read` waits only after it.
 stay() { # PIPE
+    local k
     exec {pipe}<>"$1"
-    read -r -t 60 -u "$pipe" _
+    for ((k = 0; k < 240; k++)); do
+        read -r -t 0.25 -u "$pipe" _ && return
+    done
 }
 
 say_end() {

@@ -150,7 +150,8 @@ struct live {
     struct relay *relay; /* the recorder hears this run through it; NULL: as the others do */
     int64_t disturb_at;  /* step at which wallctl is killed and started again, or sim interrupted; 0: none */
     bool interrupts;
-    bool disturbed; /* on a busy machine the run may end before its step is seen here */
+    bool disturbed;   /* on a busy machine the run may end before its step is seen here */
+    int wallctl_code; /* -1: it runs */
 };
 
 /* Between the bus of the run and one of the recorder's own, on another port; does not let through the first copy of
@@ -222,9 +223,13 @@ static void disturb(struct live *live, const char *run, const char *setting)
         assert_int_equal(kill(live->sim, SIGINT), 0);
         return;
     }
-    assert_int_equal(kill(live->wallctl, SIGKILL), 0);
+    assert_int_equal(kill(live->wallctl, SIGKILL), 0); /* it may have ended: nobody has waited for it yet */
     assert_int_equal(waitpid(live->wallctl, &result, 0), live->wallctl);
-    assert_int_equal(exit_code(result), 128 + SIGKILL);
+    live->wallctl_code = exit_code(result);
+    live->disturbed = live->wallctl_code == 128 + SIGKILL;
+    if (!live->disturbed)
+        return;
+    live->wallctl_code = -1;
     live->wallctl = start_wallctl(run, setting);
 }
 
@@ -247,7 +252,7 @@ static int follow(struct live *live, const char *run, const char *setting)
     while (waitpid(live->sim, &result, WNOHANG) == 0) {
         assert_true(clock_now_s() < deadline_s);
         listen_to(live);
-        if (live->disturb_at > 0 && live->step >= live->disturb_at && !live->disturbed)
+        if (live->disturb_at > 0 && live->step >= live->disturb_at && !live->disturbed && live->wallctl_code < 0)
             disturb(live, run, setting);
     }
     return exit_code(result);
@@ -258,7 +263,7 @@ static int follow(struct live *live, const char *run, const char *setting)
 static void run_with(struct live *live, const char *run, const char *setting)
 {
     int result;
-    live->step = -1;
+    live->step = live->wallctl_code = -1;
     make_directory(run);
     must(bus_open(&live->bus, NULL));
     must(bus_subscribe(&live->bus, CHANNEL_WALL_STATE, on_state, live));
@@ -271,12 +276,16 @@ static void run_with(struct live *live, const char *run, const char *setting)
     live->wallctl = start_wallctl(run, setting);
     live->sim = start(path_in(run, "sim.txt"), sim);
     int code = follow(live, run, setting);
+    live->disturbed &= !live->interrupts || code != 0; /* 0: it had ended when the signal came */
     if (live->interrupts && live->disturbed)
         assert_int_equal(code, status_exit_code(STATUS_INTERRUPTED));
     else
         expect_success("sim", code, path_in(run, "sim.txt"));
-    assert_int_equal(waitpid(live->wallctl, &result, 0), live->wallctl);
-    expect_success("wallctl", exit_code(result), path_in(run, "wallctl.txt"));
+    if (live->wallctl_code < 0) {
+        assert_int_equal(waitpid(live->wallctl, &result, 0), live->wallctl);
+        live->wallctl_code = exit_code(result);
+    }
+    expect_success("wallctl", live->wallctl_code, path_in(run, "wallctl.txt"));
     assert_int_equal(waitpid(live->recorder, &result, 0), live->recorder);
     expect_success("recorder", exit_code(result), path_in(run, "recorder.txt"));
     if (live->relay)
@@ -388,8 +397,11 @@ static void what_the_recorder_alone_has_lost_comes_again(void **state)
     struct live live = {.relay = &relay};
     (void)state;
     run_with(&live, "lossy", every_step);
-    assert_int_equal(relay.lost, 2 * (2500 / LOSE_EVERY + 1));       /* of 2501 exchanges */
-    assert_true(end_of("lossy").records_repeated >= relay.lost - 2); /* END is made before the last two come again */
+    assert_int_equal(relay.lost, 2 * (2500 / LOSE_EVERY + 1)); /* of 2501 exchanges */
+    /* END is made before the last two come again. On a busy machine sim repeats states to the controller as well: each
+     * such copy, and its answer, may be one that the recorder lacked. */
+    const struct log_end end = end_of("lossy");
+    assert_true(end.records_repeated + 2 * end.repeated >= relay.lost - 2);
     same_run("one", "lossy");
     expect_replay(sim_path, "lossy", "run.lcm", every_step, 0, "2501 wall states equal, 2501 commands");
 }
