@@ -101,7 +101,9 @@ static void stress_error(struct analysis *analysis)
     quantity_set(&analysis->quantity[QUANTITY_STRESS_ERROR_MAX], (struct estimate){largest, NAN});
     if (isnan(mean))
         for (int id = QUANTITY_STRESS_ERROR_MEAN; id <= QUANTITY_STRESS_ERROR_MAX; id++)
-            quantity_undefined(&analysis->quantity[id], "no axis has a stress as its target");
+            quantity_undefined(&analysis->quantity[id], analysis->run.controller[0]
+                                                            ? "a controller of the user's own set the targets"
+                                                            : "no axis has a stress as its target");
 }
 
 /* Whether a quantity needs no more than what was recorded: an initial slope or a peak that lies behind, of a stage that

@@ -193,12 +193,86 @@ static void configuration_read(struct controls *controls, const struct scene_sta
     }
 }
 
+/* What the pairs of walls did, as the record has it. */
+struct course {
+    double moved;                   /* largest |logarithmic strain| */
+    double low_pa, high_pa, sum_pa; /* of the stress */
+};
+
+static void courses_find(struct course course[SCENE_AXES], const struct run *run, size_t begin, size_t end)
+{
+    for (int k = 0; k < run->dimension; k++) {
+        course[k] = (struct course){.low_pa = INFINITY, .high_pa = -INFINITY};
+        for (size_t s = begin; s < end; s++) {
+            const double length = run_record(run, OBSERVABLE_BOX_LENGTH, s)[k],
+                         first = run_record(run, OBSERVABLE_BOX_LENGTH, begin)[k],
+                         stress_pa = run_record(run, OBSERVABLE_STRESS_WALL, s)[k];
+            course[k].moved = fmax(course[k].moved, fabs(log(length / first)));
+            course[k].low_pa = fmin(course[k].low_pa, stress_pa);
+            course[k].high_pa = fmax(course[k].high_pa, stress_pa);
+            course[k].sum_pa += stress_pa;
+        }
+    }
+}
+
+/* All pairs bear the same stress at each sample. */
+static bool stresses_alike(const struct run *run, size_t begin, size_t end)
+{
+    for (size_t s = begin; s < end; s++) {
+        const double *stress_pa = run_record(run, OBSERVABLE_STRESS_WALL, s);
+        for (int k = 1; k < run->dimension; k++)
+            if (fabs(stress_pa[k] - stress_pa[0]) > kept_share * fabs(stress_pa[0]))
+                return false;
+    }
+    return true;
+}
+
+/* A controller of the user's own moved the walls: what the test is, the record says; the scene's targets count for
+ * nothing. Cycles are not looked for. */
+static void commanded_read(struct controls *controls, const struct run *run, size_t begin, size_t end)
+{
+    struct course course[SCENE_AXES];
+    const int d = run->dimension;
+    int resting = 0, held = 0, held_lateral = 0, leads = d - 1;
+    double lateral_pa = 0;
+    if (begin == end)
+        return;
+    courses_find(course, run, begin, end);
+    bool rests[SCENE_AXES], holds[SCENE_AXES];
+    for (int k = 0; k < d; k++) {
+        rests[k] = course[k].moved < 1e-9;
+        holds[k] = !rests[k] && course[k].high_pa - course[k].low_pa < kept_share * course[k].high_pa;
+        resting += rests[k];
+        held += holds[k];
+    }
+    for (int k = d - 2; k >= 0 && rests[leads]; k--)
+        leads = k;
+    for (int k = 0; k < d; k++) {
+        held_lateral += k != leads && holds[k];
+        lateral_pa += k != leads ? course[k].sum_pa / (double)(end - begin) / (d - 1) : 0;
+    }
+    controls->axial = d == 2 && leads == 1 ? AXIS_Z : (enum axis)leads;
+    controls->lateral_pressure_pa = held_lateral == d - 1 ? lateral_pa : NAN;
+    if (resting == d)
+        controls->kind = TEST_RELAXATION;
+    else if (held + resting == d)
+        controls->kind = TEST_CREEP;
+    else if (stresses_alike(run, begin, end))
+        controls->kind = TEST_ISOTROPIC;
+    else
+        controls->kind = resting == d - 1 ? TEST_OEDOMETER : TEST_SHEAR;
+}
+
 void controls_find(struct controls *controls, const struct run *run, int stage, size_t begin, size_t end)
 {
     const struct scene_stage *protocol = &run->scene->stage[stage];
     *controls = (struct controls){.kind = TEST_NONE, .axial = AXIS_Z};
-    configuration_read(controls, protocol, run->dimension);
-    controls->lateral_pressure_pa = lateral_pressure(controls, protocol, run->dimension);
+    if (run->controller[0]) {
+        commanded_read(controls, run, begin, end);
+    } else {
+        configuration_read(controls, protocol, run->dimension);
+        controls->lateral_pressure_pa = lateral_pressure(controls, protocol, run->dimension);
+    }
     record_read(controls, protocol, run, begin, end);
 }
 

@@ -134,7 +134,7 @@ static void inertial_check(struct judgement *judgement, const struct run *run, i
 void judgement_stress_error(const struct run *run, int stage, size_t begin, size_t end, double *mean, double *largest)
 {
     double sum = 0, count = 0, top = 0;
-    for (size_t k = begin; k < end; k++)
+    for (size_t k = begin; k < end && !run->controller[0]; k++) /* whose targets are not in the record */
         for (int slot = 0; slot < run->dimension; slot++) {
             const struct scene_axis *axis = &run->scene->stage[stage].axis[scene_pair_axis(run->scene, slot)];
             const double target = axis->mode == WALL_STRESS
@@ -216,6 +216,11 @@ void judgement_make(struct judgement *judgement, const struct run *run, int stag
 {
     memset(judgement, 0, sizeof *judgement);
     end_check(judgement, run, stage);
+    if (run->controller[0])
+        add(judgement, "", WORTH_SOUND,
+            "a controller of the user's own set the targets, not the scene: %.300s; what the test is comes from the "
+            "record, cycles are not looked for",
+            run->controller);
     for (size_t k = 0; k < run->n_notes; k++)
         add(judgement, run->note[k].stage, (enum worth)run->note[k].severity, "%s", run->note[k].text);
     for (int k = 0; k < run->scene->n_stages; k++)

@@ -103,7 +103,9 @@ void kept_quantities(const struct run *run, int stage, struct quantity *quantiti
     run_stage_range(run, stage, &begin, &end);
     kept_find(run, stage, begin, end, kept);
     for (int k = 0; k < KEPT_QUANTITIES; k++) {
-        if (isnan(kept[k].largest))
+        if (run->controller[0])
+            quantity_absent(&quantities[id[k]], "a controller of the user's own set the targets, not the scene");
+        else if (isnan(kept[k].largest))
             quantity_absent(&quantities[id[k]], "no axis is to keep it");
         else
             quantity_set(&quantities[id[k]], (struct estimate){kept[k].largest, NAN});

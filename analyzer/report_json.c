@@ -50,10 +50,11 @@ int report_json_set(json_t *root, const char *key, json_t *value)
 static json_t *run_json(const struct analysis *analysis)
 {
     const struct run *run = &analysis->run;
-    json_t *object = json_pack(
-        "{s:s, s:I, s:s, s:s, s:i, s:b, s:o, s:I, s:s}", "name", run->name, "seed", (json_int_t)run->seed, "version",
-        run->version, "kernel_set", run->kernel_set, "dimension", run->dimension, "complete", (int)run->complete,
-        "elapsed_s", report_json_number(run->elapsed_s), "steps", (json_int_t)run->steps, "reason", run->reason);
+    json_t *object =
+        json_pack("{s:s, s:I, s:s, s:s, s:s, s:i, s:b, s:o, s:I, s:s}", "name", run->name, "seed",
+                  (json_int_t)run->seed, "version", run->version, "kernel_set", run->kernel_set, "controller",
+                  run->controller, "dimension", run->dimension, "complete", (int)run->complete, "elapsed_s",
+                  report_json_number(run->elapsed_s), "steps", (json_int_t)run->steps, "reason", run->reason);
     return object;
 }
 

@@ -177,6 +177,8 @@ static enum status parameters_read(hid_t file, const char *path, struct run *run
     TRY(short_text_read(file, path, group, "name", run->name, sizeof run->name));
     TRY(short_text_read(file, path, group, "version", run->version, sizeof run->version));
     TRY(short_text_read(file, path, group, "kernel_set", run->kernel_set, sizeof run->kernel_set));
+    if (H5Aexists_by_name(file, group, "controller", H5P_DEFAULT) > 0) /* not in files of earlier versions */
+        TRY(short_text_read(file, path, group, "controller", run->controller, sizeof run->controller));
     TRY(number_read(file, path, group, "seed", H5T_NATIVE_INT64, &run->seed));
     TRY(number_read(file, path, group, "dimension", H5T_NATIVE_INT, &run->dimension));
     TRY(scene_read(file, path, run, settings, n));

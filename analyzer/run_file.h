@@ -57,7 +57,8 @@ struct run {
     char name[256];
     char version[64];
     char kernel_set[128];
-    char reason[256]; /* why the simulator stopped; "" if it ended well, or if the run has no END */
+    char controller[512]; /* command of the program that set the targets in place of wallctl; "": wallctl */
+    char reason[256];     /* why the simulator stopped; "" if it ended well, or if the run has no END */
     int64_t seed;
     int dimension;    /* D: 2 or 3 */
     int status;       /* of the simulator, a code of common/status.h; 0: it ended well, or there is no END */

@@ -46,13 +46,7 @@ static enum status time_step_set(const struct scene *scene, struct scene_stage *
     const double shortest_s = 1e-12, longest_s = 1;
     if (stage->dt_s > 0)
         return STATUS_OK;
-    const double force_n = time_step_force_n(scene, stage);
-    double step_s = time_step_auto_s(&scene->sample, &stage->material, force_n);
-    for (int k = 0; k < SCENE_AXES; k++) {
-        struct scene_material of_walls;
-        if (scene_wall_material(stage, (enum axis)k, &of_walls))
-            step_s = fmin(step_s, time_step_auto_s(&scene->sample, &of_walls, force_n));
-    }
+    const double step_s = time_step_of_stage_s(scene, stage);
     if (!(step_s >= shortest_s))
         return config_fail(at, where,
                            "dt_s = \"auto\" is %g s for this material and these particles; allowed: a number "

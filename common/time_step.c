@@ -74,3 +74,15 @@ double time_step_auto_s(const struct scene_sample *sample, const struct scene_ma
     const struct scene_material linear = hertz_as_linear(sample, material, force_n);
     return linear_step_s(sample, &linear);
 }
+
+double time_step_of_stage_s(const struct scene *scene, const struct scene_stage *stage)
+{
+    const double force_n = time_step_force_n(scene, stage);
+    double step_s = time_step_auto_s(&scene->sample, &stage->material, force_n);
+    for (int k = 0; k < SCENE_AXES; k++) {
+        struct scene_material of_walls;
+        if (scene_wall_material(stage, (enum axis)k, &of_walls))
+            step_s = fmin(step_s, time_step_auto_s(&scene->sample, &of_walls, force_n));
+    }
+    return step_s;
+}

@@ -15,4 +15,8 @@ double time_step_auto_s(const struct scene_sample *sample, const struct scene_ma
  * none is given. */
 double time_step_force_n(const struct scene *scene, const struct scene_stage *stage);
 
+/* The least of time_step_auto_s over the stage's material and those of its walls, under time_step_force_n: what dt_s =
+ * "auto" stands for. */
+double time_step_of_stage_s(const struct scene *scene, const struct scene_stage *stage);
+
 #endif

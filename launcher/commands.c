@@ -54,6 +54,11 @@ static void sim_command(GPtrArray *words, const struct launch *launch, bool resu
             NULL);
     else
         add(words, "--lcm", launch->folder.url, NULL);
+    if (launch->folder.controller) {
+        char *text = g_strjoinv(" ", launch->folder.controller);
+        add(words, "--controller", text, NULL);
+        g_free(text);
+    }
     add(words, "--checkpoint", checkpoint, NULL);
     if (resume)
         add(words, "--resume", checkpoint, NULL);

@@ -175,6 +175,7 @@ static enum status parameters_write(hid_t file, const shakedown_run_info_t *info
     } texts[] = {{"name", info->name},
                  {"version", info->version},
                  {"kernel_set", info->kernel_set},
+                 {"controller", info->controller},
                  {"scene_text", info->scene_text},
                  {"effective_config", info->effective_config}};
     const struct {

@@ -16,6 +16,7 @@ static const char usage[] =
     "  --progress    print the progress on stderr\n"
     "  --checkpoint FILE  write checkpoints there (scene key checkpoint_interval_s, and at stage ends)\n"
     "  --resume FILE      go on from a checkpoint of this scene and run id\n"
+    "  --controller TEXT  record that this program commands the walls in place of wallctl\n"
     "  --check       only read and check the scene and its time steps, with --resume the checkpoint too\n"
     "  --explain     print what the scene models and what it costs\n"
     "  --effective   print every key with the value in force\n"
@@ -26,7 +27,7 @@ static const char usage[] =
 
 struct options {
     bool in_process, progress, check, explain, effective, reference;
-    const char *replay, *checkpoint, *resume;
+    const char *replay, *checkpoint, *resume, *controller;
 };
 
 static enum status replay_log(const struct scene *scene, const struct command_line *line, const char *path)
@@ -60,6 +61,7 @@ static enum status act(const struct scene *scene, const struct command_line *lin
                               .progress = options->progress,
                               .checkpoint = options->checkpoint,
                               .resume = options->resume,
+                              .controller = options->controller,
                               .url = line->lcm_url};
     return run_scene(scene, &run);
 }
@@ -82,12 +84,17 @@ static enum status load_and_act(const struct command_line *line, const struct op
 int main(int argc, char **argv)
 {
     struct options options = {0};
-    const struct command_line_option own[] = {
-        {"in-process", NULL, &options.in_process}, {"progress", NULL, &options.progress},
-        {"check", NULL, &options.check},           {"explain", NULL, &options.explain},
-        {"effective", NULL, &options.effective},   {"reference", NULL, &options.reference},
-        {"replay", &options.replay, NULL},         {"checkpoint", &options.checkpoint, NULL},
-        {"resume", &options.resume, NULL},         {NULL, NULL, NULL}};
+    const struct command_line_option own[] = {{"in-process", NULL, &options.in_process},
+                                              {"progress", NULL, &options.progress},
+                                              {"check", NULL, &options.check},
+                                              {"explain", NULL, &options.explain},
+                                              {"effective", NULL, &options.effective},
+                                              {"reference", NULL, &options.reference},
+                                              {"replay", &options.replay, NULL},
+                                              {"checkpoint", &options.checkpoint, NULL},
+                                              {"resume", &options.resume, NULL},
+                                              {"controller", &options.controller, NULL},
+                                              {NULL, NULL, NULL}};
     struct command_line line;
     floating_point_flush_subnormals();
     enum status status = command_line_parse(&line, argc, argv, own);

@@ -118,6 +118,9 @@ static void volume(void **state)
     assert_false(quantity[QUANTITY_KEPT_VOLUME].absent);
     assert_true(quantity[QUANTITY_KEPT_P].absent);
     assert_false(quantity_is_reported(QUANTITY_KEPT_P, TEST_SHEAR, &quantity[QUANTITY_KEPT_P]));
+    snprintf(run.controller, sizeof run.controller, "./mine"); /* which has targets of its own */
+    kept_quantities(&run, 0, quantity);
+    assert_true(quantity[QUANTITY_KEPT_VOLUME].absent);
     run_free(&run);
 }
 

@@ -102,9 +102,15 @@ static void kinds(void **state)
         {STAGE(FIXED, FIXED, FIXED), {0, 0, 0}, {90, 90, 90}, TEST_RELAXATION, "relaxation"},
     };
     (void)state;
-    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+    const size_t n = sizeof cases / sizeof cases[0];
+    for (size_t k = 0; k < 2 * n; k++) {
+        const bool own = k >= n; /* a controller of the user's own, in a scene whose walls rest: the record tells */
+        const size_t c = k % n;
         struct run run;
-        fixture_run(&run, cases[c].config, N);
+        if (own && cases[c].kind == TEST_CREEP && cases[c].stress[2] > 150)
+            continue; /* that z is held at 200 Pa the configuration alone tells */
+        fixture_run(&run, own ? STAGE(FIXED, FIXED, FIXED) : cases[c].config, N);
+        snprintf(run.controller, sizeof run.controller, "%s", own ? "./mine" : "");
         for (size_t i = 0; i < N; i++) {
             const double share = (double)i / (N - 1);
             double strain[3], stress[3];
@@ -116,7 +122,8 @@ static void kinds(void **state)
         }
         const struct controls controls = controls_of(&run);
         if (controls.kind != cases[c].kind || strcmp(controls_name(&controls, 3), cases[c].name) != 0)
-            fail_msg("case %zu: kind %d, \"%s\"", c, (int)controls.kind, controls_name(&controls, 3));
+            fail_msg("case %zu%s: kind %d, \"%s\"", c, own ? ", own controller" : "", (int)controls.kind,
+                     controls_name(&controls, 3));
         run_free(&run);
     }
 }

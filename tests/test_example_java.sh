@@ -22,6 +22,7 @@ lcm-gen -j --jpath "$work/java" "$root"/lcmtypes/*.lcm || exit 1
 javac -Xlint:-options -cp "$jar" -d "$work/java" "$work"/java/shakedown/*.java "$root/examples/Controller.java" || exit 1
 "$root/shakedown" run "$root/scenes/quick.cfg" --out "$work/run" --set stages.0.duration_s=0.02 \
     --controller "java -cp $jar:$work/java Controller" >"$work/said" 2>&1
+h5dump -a /parameters/controller "$work/run/run.h5" | grep -qF ' Controller' || fail "run.h5 does not name the controller"
 h5dump -y -a /complete "$work/run/run.h5" | grep -qE '^ +1$' || fail "the record is not whole"
 h5dump -y -w 0 -d /samples/stage/step "$work/run/run.h5" | grep -qE '\b2000$' || fail "it did not last 2000 steps"
 # It began with a force on the wall and compressed: positions that are its own say so.

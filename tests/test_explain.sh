@@ -10,6 +10,10 @@ says() { # SCENE TEXT
 
 # E/(2 (1 - nu^2))/p = 1e9/(2 0.96)/1e5
 says own_material.cfg 'E*/p = 5.21e+03'
+# as dt_s = "auto", which is what this scene takes: the number chosen and the one recommended
+"$sim" --explain "$scenes/own_material.cfg" | sed -n 's/.* dt \([0-9.e-]*\) s (recommended, dt_s = "auto": \([0-9.e-]*\) s).*/\1 \2/p' |
+    awk '$1 == $2 { n++ } END { exit !(n >= 1) }' || { echo 'own_material.cfg: dt_s = auto is not what is recommended' && exit 1; }
+# t_c/20 = pi sqrt(m/(2 k))/20, m of the mean cube of 4 to 6 mm, k = 1e4 N/m; or what its dashpots allow, which is shorter here
 says own_material.cfg 'name = "prepare-settle";'
 says own_material.cfg 'cost: at most '
 # k/p = 1e5/200; the largest rate pi f strain = 0.7854/s

@@ -125,6 +125,7 @@ static void add_run_info(struct synthetic_run *run)
     union message message = {.run_info = {.name = "synthetic",
                                           .version = "0.1.0",
                                           .kernel_set = "none",
+                                          .controller = "",
                                           .scene_text = "# \xc3\xbc",
                                           .effective_config = config,
                                           .seed = 7,

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "common/time_step.h"
 #include "sim/look/step_limit.h"
 #include "sim/run/explain_scales.h"
 #include "sim/run/sample_source.h"
@@ -77,8 +78,12 @@ static void explain_time_step(FILE *out, const struct sample *sample)
     for (int s = 0; s < sample->scene->n_stages; s++) {
         const struct scene_stage *stage = &sample->scene->stage[s];
         const struct step_limit limit = step_limit_of(sample, stage);
-        fprintf(out, "  stage %d %-12s dt %.3g s, shortest contact time %.3g s = %.0f steps; stable up to %.2g s", s,
-                stage->name, stage->dt_s, limit.contact_s, limit.contact_s / stage->dt_s, limit.stable_s);
+        fprintf(out, "  stage %d %-12s dt %.3g s", s, stage->name, stage->dt_s);
+        const double recommended_s = time_step_of_stage_s(sample->scene, stage);
+        if (recommended_s > 0)
+            fprintf(out, " (recommended, dt_s = \"auto\": %.3g s)", recommended_s);
+        fprintf(out, ", shortest contact time %.3g s = %.0f steps; stable up to %.2g s", limit.contact_s,
+                limit.contact_s / stage->dt_s, limit.stable_s);
         if (isfinite(limit.wall_stable_s))
             fprintf(out, ", wall %c up to %.2g s", limit.wall_axis, limit.wall_stable_s);
         fprintf(out, "\n");

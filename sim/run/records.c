@@ -37,7 +37,7 @@ void records_init(struct records *records, struct record_stream *stream, int64_t
     *records = (struct records){.stream = stream, .run_id = run_id, .last_sample_step = -1, .last_frame_step = -1};
 }
 
-static enum status send_run_info(struct records *records, const struct sample *sample,
+static enum status send_run_info(struct records *records, const struct sample *sample, const char *controller,
                                  const struct records_resumed *resumed, char *effective)
 {
     char kernel_set[64];
@@ -49,6 +49,7 @@ static enum status send_run_info(struct records *records, const struct sample *s
         .kernel_set = kernel_set,
         .scene_text = scene->text,
         .effective_config = effective,
+        .controller = controller ? (char *)(uintptr_t)controller : "",
         .seed = scene->seed,
         .dimension = (int32_t)scene->dimension,
         .n_particles = sample->particles.count,
@@ -92,7 +93,7 @@ static int at_most(int a, int b)
     return a < b ? a : b;
 }
 
-enum status records_send_start(struct records *records, const struct sample *sample,
+enum status records_send_start(struct records *records, const struct sample *sample, const char *controller,
                                const struct records_resumed *resumed)
 {
     char *effective = NULL;
@@ -103,7 +104,7 @@ enum status records_send_start(struct records *records, const struct sample *sam
     scene_print_short(out, sample->scene);
     enum status status = STATUS_NO_MEMORY;
     if (fclose(out) == 0)
-        status = send_run_info(records, sample, resumed, effective);
+        status = send_run_info(records, sample, controller, resumed, effective);
     free(effective);
     const int per_chunk = PARTICLES_PER_CHUNK, count = sample->particles.count;
     const int n_chunks = chunks_of(count, per_chunk);

@@ -25,8 +25,9 @@ struct records_resumed {
 };
 
 /* The scene with its effective configuration, then what does not change about the particles. resumed NULL: a new run.
+ * controller: command of the program in place of wallctl; NULL: none.
  */
-enum status records_send_start(struct records *records, const struct sample *sample,
+enum status records_send_start(struct records *records, const struct sample *sample, const char *controller,
                                const struct records_resumed *resumed) MUST_USE;
 
 /* Has all that was recorded so far brought to disk, as a checkpoint of this state follows. */

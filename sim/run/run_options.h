@@ -13,6 +13,7 @@ struct run_options {
     const char *url;        /* of the bus; NULL in process: no records at all */
     const char *checkpoint; /* where to write checkpoints; NULL: none */
     const char *resume;     /* the checkpoint to go on from; NULL: from the start */
+    const char *controller; /* command of the program that runs in place of wallctl, for the record; NULL: wallctl */
     struct replay *replay;  /* commands come from this log and states are compared with it; no records; NULL: no */
 };
 

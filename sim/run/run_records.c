@@ -136,7 +136,8 @@ enum status run_records_start(struct run *run)
     if (!run->stream || (run->bus.is_log && record_goes_on(run)))
         return STATUS_OK;
     memcpy(resumed.total, run->before.record_total, sizeof resumed.total);
-    TRY(records_send_start(&run->records, run->sample, record_goes_on(run) ? &resumed : NULL));
+    TRY(records_send_start(&run->records, run->sample, run->options->controller,
+                           record_goes_on(run) ? &resumed : NULL));
     return record_stream_flush(run->stream); /* the recorder is there before anything happens */
 }
 
