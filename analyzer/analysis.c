@@ -8,6 +8,7 @@
 #include "analyzer/kept.h"
 #include "analyzer/shakedown.h"
 #include "analyzer/shear.h"
+#include "analyzer/true_triaxial.h"
 #include "analyzer/undrained.h"
 
 static void over_work(const struct analysis *analysis, enum observable of, struct quantity *quantity)
@@ -71,8 +72,10 @@ static enum status evaluate_kind(struct analysis *analysis)
     switch (curves->controls.kind) {
     case TEST_CONSTANT_VOLUME:
         undrained_evaluate(curves, analysis->quantity);
+        TRY(true_triaxial_evaluate(&analysis->run, curves, analysis->quantity));
         return shear_evaluate(curves, analysis->run.scene, analysis->quantity, &analysis->stiffness);
     case TEST_SHEAR:
+        TRY(true_triaxial_evaluate(&analysis->run, curves, analysis->quantity));
         return shear_evaluate(curves, analysis->run.scene, analysis->quantity, &analysis->stiffness);
     case TEST_ISOTROPIC:
     case TEST_OEDOMETER:

@@ -26,7 +26,8 @@ static enum role role_of(const struct scene_axis *axis)
         return is_strained(axis) ? ROLE_STRAIN : ROLE_REST;
     if (axis->mode == WALL_STRESS)
         return axis->target == TARGET_CONSTANT ? ROLE_HELD : ROLE_STRESS;
-    return ROLE_FOLLOWS;
+    /* q itself leads; an axis that keeps anything else goes where the others let it */
+    return axis->keep == KEEP_Q && axis->target != TARGET_CONSTANT ? ROLE_STRESS : ROLE_FOLLOWS;
 }
 
 static bool axis_exists(int dimension, int axis)

@@ -32,6 +32,8 @@
     X(WINDOW_NU, "window.nu", "1", SHEAR)                                                                              \
     X(VISCOUS_ZZ, "viscous.sigma_zz_pa", "Pa", SHEAR)                                                                  \
     X(VISCOUS_XX, "viscous.sigma_xx_pa", "Pa", SHEAR)                                                                  \
+    X(ZERO_RATE_ZZ, "zero_rate.sigma_zz_pa", "Pa", SHEAR)                                                              \
+    X(ZERO_RATE_XX, "zero_rate.sigma_xx_pa", "Pa", SHEAR)                                                              \
     X(DILATANCY_SLOPE, "dilatancy_slope", "1", SHEAR)                                                                  \
     X(DILATANCY_ANGLE, "dilatancy_angle_deg", "deg", SHEAR)                                                            \
     X(ROWE_K, "rowe.K", "1", SHEAR)                                                                                    \
@@ -50,6 +52,21 @@
     X(CRITICAL_SIN_PHI, "critical.sin_phi", "1", SHEAR)                                                                \
     X(CRITICAL_FRICTION_ANGLE, "critical.friction_angle_deg", "deg", SHEAR)                                            \
     X(CRITICAL_Q_OVER_P, "critical.q_over_p", "1", SHEAR)                                                              \
+    X(PATH_DIRECTION, "path.direction_deg", "deg", SHEAR)                                                              \
+    X(PATH_STIFFNESS, "path.stiffness_initial_pa", "Pa", SHEAR)                                                        \
+    X(PATH_K, "path.K_initial_pa", "Pa", SHEAR)                                                                        \
+    X(YIELD_P, "yield.p_pa", "Pa", SHEAR)                                                                              \
+    X(YIELD_Q, "yield.q_pa", "Pa", SHEAR)                                                                              \
+    X(YIELD_EPS, "yield.eps_zz", "1", SHEAR)                                                                           \
+    X(YIELD_STIFFNESS_RATIO, "yield.stiffness_ratio", "1", SHEAR)                                                      \
+    X(TRUE_EPS, "true_triaxial.peak_eps_zz", "1", SHEAR)                                                               \
+    X(TRUE_B, "true_triaxial.b", "1", SHEAR)                                                                           \
+    X(TRUE_SIN_PHI, "true_triaxial.sin_phi", "1", SHEAR)                                                               \
+    X(TRUE_ANGLE, "true_triaxial.friction_angle_deg", "deg", SHEAR)                                                    \
+    X(TRUE_Q_OVER_P, "true_triaxial.q_over_p", "1", SHEAR)                                                             \
+    X(TRUE_LODE, "true_triaxial.lode_angle_deg", "deg", SHEAR)                                                         \
+    X(TRUE_LADE, "true_triaxial.lade_duncan", "1", SHEAR)                                                              \
+    X(TRUE_MATSUOKA, "true_triaxial.matsuoka_nakai", "1", SHEAR)                                                       \
     X(P0, "undrained.p0_pa", "Pa", UNDRAINED)                                                                          \
     X(U_MAX, "undrained.u_max_pa", "Pa", UNDRAINED)                                                                    \
     X(U_END, "undrained.u_end_pa", "Pa", UNDRAINED)                                                                    \

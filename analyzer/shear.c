@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "analyzer/loading.h"
+#include "analyzer/stress_path.h"
 
 static const double degrees = 180 / M_PI;
 
@@ -117,9 +118,9 @@ static void window_moduli(const struct curves *curves, const struct loading *loa
 }
 
 /* What a stress loses when the leading wall comes to rest at the end: its value where the motion ends, from the samples
- * before, less that of the last half of the rest. */
+ * before, less that of the last half of the rest, which is the stress at zero rate. */
 static void viscous_part(const struct curves *curves, const struct loading *loading, enum loading_curve moving,
-                         enum curve resting, struct quantity *quantity)
+                         enum curve resting, struct quantity *quantity, struct quantity *at_rest)
 {
     enum { REST_MIN = 6 };
     const size_t after = curves->n - 1 - loading->last, end = curves->n, half = after / 2;
@@ -127,14 +128,17 @@ static void viscous_part(const struct curves *curves, const struct loading *load
     struct estimate value, slope;
     if (after < REST_MIN || curves->controls.stress_led) {
         quantity_undefined(quantity, "the leading wall does not rest at the end of the stage");
+        *at_rest = *quantity;
         return;
     }
     if (!loading_at(loading, moving, last, (last - loading->y[LOADING_EPS_ZZ_LOG][0]) / 10, &value, &slope)) {
         quantity_undefined(quantity, "too few samples before the rest");
+        *at_rest = *quantity;
         return;
     }
     double deviation;
     struct estimate rest = statistics_plain_mean(curves->column[resting] + end - half, half, &deviation);
+    quantity_set(at_rest, rest);
     quantity_set(quantity, (struct estimate){value.value - rest.value, hypot(value.error, rest.error)});
     quantity_window(quantity, loading->eps[loading->n - 1], loading->eps[loading->n - 1]);
     quantity_note(quantity, "stress at the end of the motion less that at rest");
@@ -282,7 +286,7 @@ static void residual(const struct curves *curves, const struct loading *loading,
 
 static void all_undefined(struct quantity *q, const char *reason)
 {
-    for (int k = QUANTITY_E_INITIAL; k <= QUANTITY_CRITICAL_Q_OVER_P; k++)
+    for (int k = QUANTITY_E_INITIAL; k <= QUANTITY_YIELD_STIFFNESS_RATIO; k++)
         quantity_undefined(&q[k], "%s", reason);
 }
 
@@ -291,8 +295,8 @@ static void loading_evaluate(const struct curves *curves, const struct loading *
 {
     moduli(curves, loading, analysis->modulus_strain, q);
     window_moduli(curves, loading, analysis->modulus_strain, q);
-    viscous_part(curves, loading, LOADING_SIGMA_ZZ, CURVE_SIGMA_ZZ, &q[QUANTITY_VISCOUS_ZZ]);
-    viscous_part(curves, loading, LOADING_SIGMA_XX, CURVE_SIGMA_XX, &q[QUANTITY_VISCOUS_XX]);
+    viscous_part(curves, loading, LOADING_SIGMA_ZZ, CURVE_SIGMA_ZZ, &q[QUANTITY_VISCOUS_ZZ], &q[QUANTITY_ZERO_RATE_ZZ]);
+    viscous_part(curves, loading, LOADING_SIGMA_XX, CURVE_SIGMA_XX, &q[QUANTITY_VISCOUS_XX], &q[QUANTITY_ZERO_RATE_XX]);
     secant_modulus(loading, analysis->modulus_strain, &q[QUANTITY_E50]);
     if (curves->controls.kind == TEST_CONSTANT_VOLUME) {
         quantity_undefined(&q[QUANTITY_DILATANCY_SLOPE], "the volume is kept");
@@ -309,12 +313,15 @@ enum status shear_evaluate(const struct curves *curves, const struct scene *scen
                            struct stiffness *stiffness)
 {
     struct loading loading;
+    enum status status = STATUS_OK;
     *stiffness = (struct stiffness){0};
     TRY(loading_extract(&loading, curves, scene->analysis.strain));
-    if (loading.n < 2)
+    if (loading.n < 2) {
         all_undefined(quantities, loading.n ? "the stage has no strain yet" : "the stage has no samples");
-    else
+    } else {
         loading_evaluate(curves, &loading, &scene->analysis, quantities, stiffness);
+        status = stress_path_evaluate(curves, &loading, scene->analysis.modulus_strain, quantities);
+    }
     loading_free(&loading);
-    return STATUS_OK;
+    return status;
 }

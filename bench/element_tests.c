@@ -24,6 +24,7 @@ const struct element_test element_tests[] = {
     {"mohr_coulomb", "Mohr-Coulomb series", false, {"stages.2.walls.z.strain=0.005"}},
     {"constant_volume", "constant volume", false, {"stages.2.walls.z.strain=0.003"}},
     {"constant_p", "constant p", false, {"stages.2.walls.z.strain=0.003"}},
+    {"constant_b", "true triaxial, b = 0.5", false, {"stages.2.walls.z.strain=0.003"}},
     {"stress_path", "straight path", false, {"stages.2.until_q_pa=80.0"}},
     {"cyclic_stress", "stress cycles", false, {"stages.2.until_cycles=1"}},
     {"cyclic_strain", "strain cycles", false, {"stages.2.until_cycles=1"}},

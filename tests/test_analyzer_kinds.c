@@ -20,7 +20,12 @@
     "{ mode = \"stress\"; target = \"ramp\"; pressure_pa = 100.0; pressure_end_pa = 900.0; ramp_s = 1.0; mass_kg = "   \
     "1.0; }"
 #define STRAIN(e) "{ mode = \"strain\"; strain = " e "; frequency_hz = 1.0; }"
-#define FIXED     "{ mode = \"fixed\"; }"
+#define PATH      "{ mode = \"coupled\"; keep = \"path\"; dq_dp = 1.5; pressure_pa = 100.0; mass_kg = 1.0; }"
+#define Q_RAMP                                                                                                         \
+    "{ mode = \"coupled\"; keep = \"q\"; target = \"ramp\"; pressure_pa = 0.0; pressure_end_pa = 200.0; ramp_s = "     \
+    "1.0; "                                                                                                            \
+    "mass_kg = 1.0; }"
+#define FIXED "{ mode = \"fixed\"; }"
 #define STAGE(x, y, z)                                                                                                 \
     SAMPLE "stages = ( { name = \"s\"; dt_s = 1e-3; duration_s = 1.0; walls = { x = " x "; y = " y "; z = " z          \
            "; }; } );\n"
@@ -89,6 +94,11 @@ static void kinds(void **state)
          {60, 60, 180},
          TEST_SHEAR,
          "compression at constant p"},
+        {STAGE(PATH, PATH, Q_RAMP),
+         {-.002, -.002, .01},
+         {500. / 3, 500. / 3, 1100. / 3},
+         TEST_SHEAR,
+         "compression on a stress path"},
         {STAGE(STRESS("100.0"), STRESS("100.0"), STRESS("100.0")),
          {.001, .001, .001},
          {100, 100, 100},
