@@ -307,7 +307,7 @@ static const struct plot_kind {
     {"stress_strain", stress_strain, TESTS_ANY},
     {"volumetric_strain", volumetric_strain, TESTS_ANY},
     {"fabric", fabric, TESTS_ANY},
-    {"path", path, TESTS_SHEAR},
+    {"path", path, TESTS_SHEAR | TESTS_CYCLIC},
     {"stiffness", stiffness, TESTS_SHEAR},
     {"void_ratio", void_ratio, TESTS_COMPRESSION},
     {"loops", loops, TESTS_CYCLIC},

@@ -143,6 +143,10 @@ static void plan(struct coupling_work *work)
     for (size_t s = 0; s < sizeof schemes / sizeof *schemes; s++)
         for (int n = 1; n <= 256; n *= factor)
             add(work, schemes[s], n, 0);
+    if (work->at->few) { /* what scene A is shipped with, and the loop in the drive beside it */
+        add(work, SCHEME_COMPENSATED, 8, 0);
+        add(work, SCHEME_IMPEDANCE, 8, 0);
+    }
     for (int digits = 2; digits <= 6; digits += work->at->few ? 2 : 1)
         add(work, SCHEME_ADAPTIVE, ADAPTIVE_LONGEST, pow(10, -digits));
 }

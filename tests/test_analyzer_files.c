@@ -237,7 +237,7 @@ static void write_all(const char *directory, struct analysis *analysis)
     assert_int_equal(analysis_write(analysis), STATUS_OK);
     if (plots_write(analysis, &n_plots) != STATUS_OK)
         fail_msg("%s", status_message());
-    assert_int_equal(n_plots, analysis->curves.controls.kind == TEST_CYCLIC ? 6 : 5);
+    assert_int_equal(n_plots, analysis->curves.controls.kind == TEST_CYCLIC ? 7 : 5);
 }
 
 static size_t file_size(const char *directory, const char *name)
@@ -333,6 +333,7 @@ static void cyclic_outputs(void **state)
     /* the work goes to 0 at the end of each cycle: over 30 x 2 x 2e-3 J */
     assert_near(analysis.quantity[QUANTITY_ENERGY_RESIDUAL].value, 1e-6 / 0.12, 1e-12);
     assert_plot(place->directory, "loops");
+    assert_plot(place->directory, "path");
     assert_plot(place->directory, "accumulation");
     assert_plot(place->directory, "accumulation_log");
     assert_true(file_size(place->directory, "cycles.csv") > 30 * 20);
