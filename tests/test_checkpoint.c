@@ -17,6 +17,7 @@
 #include "sim/run/checkpoint.h"
 #include "sim/run/checkpoint_file.h"
 #include "sim/run/sample_source.h"
+#include "sim/sample/contact_state.h"
 #include "sim/sample/stage.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
@@ -166,7 +167,18 @@ static struct sample *prepare(const struct model *model, struct scene **scene)
     return sample;
 }
 
-static void check_history(const struct sample *from, const struct sample *to)
+/* The spring of a pair as it is, which is kept half a step ahead in a run: from there a new one starts. */
+static double spring_now(struct sample *sample, int c, int k)
+{
+    const bool mindlin = sample->pairs.model.traits & NORMAL_MINDLIN;
+    struct contact_geometry g;
+    struct contact_forces f;
+    if (!sample->pairs.model.frictional || !contact_state_at(sample_complete(sample), 0, k, &g, &f))
+        return 0;
+    return f.spring[c] * (mindlin ? 1 : sample->law.inv_kt);
+}
+
+static void check_history(struct sample *from, const struct sample *to)
 {
     int touching = 0;
     for (int k = 0; k < to->pairs.count; k++) {
@@ -179,15 +191,14 @@ static void check_history(const struct sample *from, const struct sample *to)
             assert_true(contact_list_value(&to->pairs, HISTORY_MAX_OVERLAP, k) ==
                         contact_list_value(&from->pairs, HISTORY_MAX_OVERLAP, old));
         for (int c = 0; c < contact_model_springs(&to->pairs.model); c++)
-            assert_true(contact_list_spring(&to->pairs, c, k) ==
-                        (from->pairs.model.frictional ? contact_list_spring(&from->pairs, c, old) : 0));
+            assert_true(contact_list_spring(&to->pairs, c, k) == spring_now(from, c, old));
         touching += history_has(&to->pairs.model, HISTORY_MAX_OVERLAP) &&
                     contact_list_value(&to->pairs, HISTORY_MAX_OVERLAP, k) > 0;
     }
     assert_true(!history_has(&to->pairs.model, HISTORY_MAX_OVERLAP) || touching > 0);
 }
 
-static void start_from(const struct sample *from, const struct model *model, uint64_t *hash)
+static void start_from(struct sample *from, const struct model *model, uint64_t *hash)
 {
     char start[128];
     snprintf(start, sizeof start, "initial = \"checkpoint\"; checkpoint = \"%s\";", path);

@@ -5,6 +5,7 @@
 
 #include "sim/run/checkpoint.h"
 #include "sim/sample/contact_state.h"
+#include "sim/sample/stage.h"
 
 /* Column c of the history of contact k, where both models have it. */
 static double take_value(const struct sample *from, const struct contact_model *to, int l, int k, int c)
@@ -78,7 +79,9 @@ static enum status start_from_checkpoint(struct sample *sample, const char *path
 {
     struct checkpoint_content *content;
     TRY(checkpoint_load_sample(&content, path));
-    enum status status = take_sample(path, sample, content->sample);
+    enum status status = stage_settle_springs(content->sample);
+    if (status == STATUS_OK)
+        status = take_sample(path, sample, content->sample);
     checkpoint_content_free(content);
     TRY(status);
     return sample_start(sample);
