@@ -28,6 +28,11 @@ enum contact_law {
         LAW_COUNT
 };
 
+/* Whether the normal dashpot may draw a contact together as it opens; which normal force limits friction: with the
+ * dashpot's part or without. */
+enum dashpot_pull { DASHPOT_PULL_ALLOWED, DASHPOT_PULL_NONE };
+enum friction_limit { FRICTION_LIMIT_TOTAL, FRICTION_LIMIT_ELASTIC };
+
 /* [D] = David et al. 2007, [LH] = Luding & Herrmann 2001 */
 struct scene_material {
     int law;           /* enum contact_law */
@@ -41,6 +46,8 @@ struct scene_material {
     double poisson_ratio;
     double restitution;
     double gamma_n_kg_per_s; /* gamma_0, normal dissipation */
+    int dashpot_pull;        /* enum dashpot_pull */
+    int friction_limit;      /* enum friction_limit */
     double mu_s;             /* static and dynamic Coulomb coefficient; both 0: no friction, no rotation */
     double mu_d;             /* negative in the file's default: as mu_s */
     double wall_friction;    /* mu_s and mu_d of walls over those between particles; 0: smooth walls */

@@ -43,7 +43,7 @@ static enum status stages_reserve(struct scene *scene, int64_t count, const conf
 static enum status time_step_set(const struct scene *scene, struct scene_stage *stage, const config_setting_t *at,
                                  const char *where)
 {
-    const double shortest_s = 1e-12, longest_s = 1;
+    const double shortest_s = 1e-18, longest_s = 1e6;
     if (stage->dt_s > 0)
         return STATUS_OK;
     const double step_s = time_step_of_stage_s(scene, stage);

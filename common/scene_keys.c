@@ -11,6 +11,8 @@
 
 #define CONTACT_LAW_NAME(name, NAME) #name,
 static const char *const law_names[] = {CONTACT_LAWS(CONTACT_LAW_NAME) NULL};
+static const char *const pull_names[] = {"allowed", "none", NULL};
+static const char *const limit_names[] = {"total", "elastic", NULL};
 static const char *const mode_names[] = {"fixed", "strain", "stress", "coupled", NULL};
 static const char *const opposite_names[] = {"fixed", "mirror", "constant", NULL};
 static const char *const course_names[] = {"smooth", "rate", "cosine", "triangle", "table", NULL};
@@ -53,6 +55,13 @@ static const struct key material_keys[] = {
      "but gamma_n"},
     {"gamma_n_kg_per_s", KEY_FLOAT, OF(scene_material, gamma_n_kg_per_s), "kg/s", 0, INFINITY, "0", NULL, NULL,
      "normal dissipation gamma_0"},
+    {"dashpot_pull", KEY_CHOICE, OF(scene_material, dashpot_pull), NULL, 0, 0, "allowed", pull_names, NULL,
+     "whether the normal dashpot may pull where a contact opens: allowed, as in [LH], [D]; none: the normal force is "
+     "at "
+     "least 0, with cohesion -kc delta. An asked-for restitution is kept either way (docs/theory.md)"},
+    {"friction_limit", KEY_CHOICE, OF(scene_material, friction_limit), NULL, 0, 0, "total", limit_names, NULL,
+     "the normal force that limits friction, rolling and torsion: total, with the dashpot's part, as in [D]; elastic: "
+     "without it, so that damped impacts slide by mu times their normal impulse"},
     {"mu_s", KEY_FLOAT, OF(scene_material, mu_s), NULL, 0, 100, "0", NULL, NULL,
      "static friction coefficient; 0 in all stages: no friction and no rotation are modelled"},
     {"mu_d", KEY_FLOAT, OF(scene_material, mu_d), NULL, -1, 100, "-1", NULL, NULL,
@@ -279,7 +288,7 @@ static const struct key limits_keys[] = {{"overlap_ratio", KEY_FLOAT, OF(scene_l
 const struct key scene_stage_keys[] = {
     {"name", KEY_STRING, OF(scene_stage, name), NULL, 0, 0, NULL, NULL, NULL,
      "name of the stage, its own: its checkpoint is checkpoint-NAME.h5"},
-    {"dt_s", KEY_FLOAT, OF(scene_stage, dt_s), "s", 1e-12, 1, "auto", auto_names, NULL,
+    {"dt_s", KEY_FLOAT, OF(scene_stage, dt_s), "s", 1e-18, 1e6, "auto", auto_names, NULL,
      "time step; \"auto\": a twentieth of the contact time pi sqrt(m/(2 k)) of two particles of the mean mass, at most "
      "a "
      "seventh of that of the smallest ones and a third of what their dashpots bear (docs/verdict.md); k the stiffest "
@@ -466,7 +475,7 @@ const struct key scene_prepare_keys[] = {
      "coefficient of friction while compressing; -1: 0, or the material's for loose"},
     {"inertial_number", KEY_FLOAT, OF(scene_prepare, inertial_number), NULL, 1e-6, 0.1, "3e-3", NULL, NULL,
      "of the compression, at that pressure: the largest rate times sqrt(m/(p d)), in 2D sqrt(m/p)"},
-    {"dt_s", KEY_FLOAT, OF(scene_prepare, dt_s), "s", 1e-12, 1, "auto", auto_names, NULL, "time step, as of a stage"},
+    {"dt_s", KEY_FLOAT, OF(scene_prepare, dt_s), "s", 1e-18, 1e6, "auto", auto_names, NULL, "time step, as of a stage"},
     {0}};
 
 const struct key scene_group_keys[] = {{"repeat", KEY_INT, OF(scene_group, repeat), NULL, 1, SCENE_STAGES_MAX, NULL,

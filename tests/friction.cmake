@@ -7,8 +7,10 @@ foreach(part contact sample scheme)
   set_tests_properties(friction_${part} PROPERTIES LABELS physics TIMEOUT 120)
 endforeach()
 
-# No hidden scales, and friction that is switched on.
-add_executable(test_scales ${CMAKE_CURRENT_LIST_DIR}/test_scales.c)
-target_link_libraries(test_scales PRIVATE sim_fixture)
-add_test(NAME scales COMMAND test_scales)
-set_tests_properties(scales PROPERTIES LABELS physics TIMEOUT 120)
+# No hidden scales, and friction that is switched on; what the dashpot may do; particles that nothing touches.
+foreach(part scales dashpot free_flight)
+  add_executable(test_${part} ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c)
+  target_link_libraries(test_${part} PRIVATE sim_fixture)
+  add_test(NAME ${part} COMMAND test_${part})
+  set_tests_properties(${part} PROPERTIES LABELS physics TIMEOUT 120)
+endforeach()

@@ -7,7 +7,8 @@
 static void NAME(turn_often)(const double *axis, double angle, int n, double *spring)
 {
     const struct contact_law_constants constants = {.kt = 1, .springs = true};
-    const struct NAME(law) law = NAME(law_of)(&constants, 1, 1, 1);
+    const struct law_units si = {1, 1, 1};
+    const struct NAME(law) law = NAME(law_of)(&constants, 1, 1, &si);
     real s[3], rest[3] = {0};
     for (int c = 0; c < 3; c++)
         s[c] = (scalar)spring[c];

@@ -34,6 +34,7 @@ struct contact_slots {
     int n_spans, span_capacity;
     int capacity;      /* in sets */
     double unit;       /* of lengths as told [m]: single: the quantum (particles.h), a power of 2; else 1 */
+    double force_unit; /* of forces as told [N]: particles->force_unit */
     uint32_t *first;   /* [2 n_sets] pairs: the first of the particles i of each half */
     uint32_t *partner; /* [slots] where the record of j starts [doubles]; walls: that of i */
     float *built[3];   /* single: x_i - x_j when the lists were built [unit]; not of walls */

@@ -48,7 +48,8 @@ static double get(const struct contact_list *list, const void *array, size_t slo
 static double into_slot(const struct contact_list *list, int c, int k)
 {
     const double sign = history_is_odd(&list->model, c) && list->slot[k] % 2 ? -1 : 1;
-    return history_field(c)->length ? sign / list->slots.unit : sign;
+    const struct history_field *field = history_field(c);
+    return field->length ? sign / list->slots.unit : field->force ? sign / list->slots.force_unit : sign;
 }
 
 /* What the ranges of slots or members are filled with. */
@@ -254,6 +255,7 @@ enum status contact_list_place(struct contact_list *list, const struct particles
         return status_fail(STATUS_LIMIT, "%d candidates for contact are too many", list->count);
     list->closed = true;
     list->slots.unit = list->model.single ? particles->quantum : 1;
+    list->slots.force_unit = particles->force_unit;
     TRY(wall ? assign_wall(list, particles->dimension) : assign_pairs(list, particles));
     if (list->count == 0)
         return STATUS_OK;

@@ -39,7 +39,7 @@ static void pad_row(struct particles *p, int row)
     double *record = (double *)p->record + (size_t)row * stride;
     memset(record, 0, stride * sizeof *record);
     if (!p->single)
-        record[0] = 1e9; /* its first coordinate [m] */
+        record[0] = 1e9; /* its first coordinate [m]; with a reach of 0 it touches nothing wherever it is */
 }
 
 static enum status rests_init(struct particles *p)
@@ -94,6 +94,7 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
     for (int i = 0; i < count; i++)
         p->id[i] = p->slot[i] = i;
     p->single = single;
+    p->speed_unit = p->force_unit = 1;
     TRY(components_resize(p->x, dimension, count));
     TRY(components_resize(p->v, dimension, count));
     TRY(components_resize(p->a, dimension, count));
@@ -225,16 +226,41 @@ static void view(const struct particles *p, void *array, int i, double value)
         ((double *)array)[i] = value;
 }
 
+static double power_of_2(double value)
+{
+    int exponent = 0;
+    (void)frexp(value, &exponent);
+    return ldexp(1, exponent);
+}
+
+static double mean(const double *values, int count)
+{
+    double sum = 0;
+    for (int i = 0; i < count; i++)
+        sum += values[i];
+    return sum / count;
+}
+
+void particles_set_units(struct particles *p, double time_s)
+{
+    const double radius_m = mean(p->radius, p->count), mass_kg = mean(p->mass, p->count);
+    if (!p->single || !(radius_m > 0 && mass_kg > 0 && time_s > 0))
+        return;
+    p->speed_unit = power_of_2(radius_m / time_s);
+    p->force_unit = power_of_2(mass_kg * radius_m / (time_s * time_s));
+}
+
 void particles_set_views(struct particles *p, double skin)
 {
+    const double per_force = p->force_unit / p->speed_unit;
     int exponent = 0;
     (void)frexp(skin > 0 ? skin : 1, &exponent);
     p->quantum = ldexp(1, exponent - 29);
     for (int i = 0; i < p->count; i++) {
-        view(p, p->view_inv_mass, i, p->inv_mass[i]);
+        view(p, p->view_inv_mass, i, p->inv_mass[i] * per_force);
         view(p, p->view_radius, i, p->radius[i]);
         if (p->n_rotations)
-            view(p, p->view_minus_lever, i, -p->radius[i] * p->inv_inertia[i]);
+            view(p, p->view_minus_lever, i, -p->radius[i] * p->inv_inertia[i] * per_force);
     }
 }
 
@@ -259,19 +285,20 @@ void particles_mark_listed(struct particles *p, double skin)
     set_home(p);
 }
 
-/* The nearest float, and what it leaves. */
-static void split(const double *values, int count, float *nearest, float *rest)
+/* The nearest float in units, and what it leaves. */
+static void split(const double *values, int count, double unit, float *nearest, float *rest)
 {
     for (int i = 0; i < count; i++) {
-        nearest[i] = (float)values[i];
-        rest[i] = (float)(values[i] - (double)nearest[i]);
+        const double value = values[i] / unit;
+        nearest[i] = (float)value;
+        rest[i] = (float)(value - (double)nearest[i]);
     }
 }
 
 void particles_import_state(struct particles *p)
 {
     for (int c = 0; p->single && c < p->dimension; c++) {
-        split(p->v[c], p->count, p->view_v[c], p->v_rest[c]);
+        split(p->v[c], p->count, p->speed_unit, p->view_v[c], p->v_rest[c]);
         for (int i = 0; i < p->count; i++) {
             double u = (p->x[c][i] - p->x_list[c][i]) / p->quantum, whole = nearbyint(u);
             p->view_u[c][i] = (int32_t)whole;
@@ -279,7 +306,7 @@ void particles_import_state(struct particles *p)
         }
     }
     for (int c = 0; p->single && c < p->n_rotations; c++)
-        split(p->omega[c], p->count, p->view_omega[c], p->omega_rest[c]);
+        split(p->omega[c], p->count, p->speed_unit, p->view_omega[c], p->omega_rest[c]);
 }
 
 void particles_export_positions(struct particles *p)

@@ -32,9 +32,13 @@ struct particles {
     void *record;        /* [n_rows][RECORD_STRIDE] what contacts need, side by side; made by drift */
     void *force;         /* sums of contact forces [N] and of moments n x f_t [N]: below; rows are zeroed by kick */
     double quantum;      /* single: the unit of u [m] */
+    /* Single: what floats count velocities and forces in [m/s, N], powers of 2 that suit the sample, so that its size,
+     * mass and pace are out of reach of float's range; rotations go in speed_unit/m, accelerations in speed_unit/s.
+     * Double: 1. */
+    double speed_unit, force_unit;
     /* Single, what the steps go on with: position x_list + quantum (u + u_rest), velocity v* + v_rest and rotation
      * omega* + omega_rest of the middle of the last step, with u and the predicted v* and omega* of the views: */
-    float *u_rest[3], *v_rest[3], *omega_rest[3]; /* [count] quanta, m/s, rad/s */
+    float *u_rest[3], *v_rest[3], *omega_rest[3]; /* [count] quanta, speed_unit, speed_unit/m */
     /* As the contacts have them, double or float: */
     void *view_v[3]; /* [n_padded] predicted velocities, made by drift */
     void *view_omega[3];
@@ -99,6 +103,10 @@ void particles_export_positions(struct particles *particles);
 
 /* Square of how far particle i is from where the lists were built [m^2]. */
 double particles_moved2_m2(const struct particles *particles, int i);
+
+/* Single: the units of velocity and force, from the mean radius and mass and a time of the sample, its time step. To be
+ * called before there are views and histories. */
+void particles_set_units(struct particles *particles, double time_s);
 
 /* Single: the quantum for lists of this skin, and radii in float. */
 void particles_set_views(struct particles *particles, double skin_m);

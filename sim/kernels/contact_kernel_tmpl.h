@@ -480,14 +480,21 @@ LANES_INLINE void NAME(go_through_span)(struct NAME(range) * r, const struct con
         NAME(go_through_sets)(r, PAIRS_HALVES, span->halves, span->end, large, sums, totals);
 }
 
+/* What the contacts of a list count in. */
+static struct law_units NAME(units)(const struct particles *p, const struct contact_slots *slots)
+{
+    return (struct law_units){.length = slots->unit, .speed = p->speed_unit, .force = p->force_unit};
+}
+
 static void NAME(pair)(const struct particles *p, struct contact_list *pairs, int first, int last,
                        const struct contact_law_constants *constants, double dt_s, void *force,
                        struct contact_losses *losses)
 {
     void *own = (char *)force + PARTICLES_COLUMNS_OFFSET(p->n_rows, DIM, FRICTIONAL, SINGLE);
+    const struct law_units units = NAME(units)(p, &pairs->slots);
     struct NAME(range) range = {.p = p,
                                 .slots = pairs->slots,
-                                .law = NAME(law_of)(constants, dt_s, dt_s, pairs->slots.unit),
+                                .law = NAME(law_of)(constants, dt_s, dt_s, &units),
                                 .unit = (scalar)pairs->slots.unit,
                                 .force = force,
                                 .own = own};
@@ -500,7 +507,7 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
         else
             NAME(go_through_span)(&range, &pairs->slots.span[s], false, &sums, &totals);
     NAME(sums_close)(&sums, &totals);
-    NAME(totals_add)(&totals, constants, dt_s, pairs->slots.unit, losses);
+    NAME(totals_add)(&totals, constants, dt_s, &units, losses);
 }
 
 /* How far the wall has moved in quanta; further than lists reach is as far as it goes. */
@@ -531,7 +538,7 @@ LANES_INLINE struct NAME(meeting) NAME(meet_wall)(const struct particles *p, con
     real x = i.x[0];
     for (int c = 0; c < DIM; c++) {
         at.d[c] = real_all(c == wall->axis ? wall->inward : 0.0);
-        at.g[c] = i.v[c] - real_all(c == wall->axis ? wall->v : 0.0);
+        at.g[c] = i.v[c] - real_all(c == wall->axis ? wall->v / p->speed_unit : 0.0);
         x = c == wall->axis ? i.x[c] : x;
     }
     at.delta = real_larger(NAME(overlap)(p, wall, k, x), real_all(0.0));
@@ -588,7 +595,8 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
                        double dt_s, struct contact_losses *losses)
 {
     const struct contact_slots slots = wall->contacts.slots;
-    const struct NAME(law) law = NAME(law_of)(constants, dt_s, dt_s, slots.unit);
+    const struct law_units units = NAME(units)(p, &slots);
+    const struct NAME(law) law = NAME(law_of)(constants, dt_s, dt_s, &units);
     const size_t end = (size_t)wall->contacts.n_sets * SET_WIDTH;
     double columns[SET_WIDTH] = {0}, total = 0;
     struct NAME(sums) sums = {0};
@@ -606,9 +614,9 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
             NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, chunk.set[m].result, columns);
     }
     NAME(sums_close)(&sums, &totals);
-    NAME(totals_add)(&totals, constants, dt_s, slots.unit, losses);
+    NAME(totals_add)(&totals, constants, dt_s, &units, losses);
     for (int c = 0; c < SET_WIDTH; c++)
         total += columns[c];
-    wall->force = total * wall->inward;
+    wall->force = total * units.force * wall->inward;
     wall->touching = (int)NAME(doubles_sum)(NAME(doubles_of)(touching));
 }

@@ -116,25 +116,30 @@ struct NAME(push) {
 struct NAME(kick) {
     f64 half;
     real minus_gamma_b, gravity[3], minus_slowing;
+    f64 speed_unit; /* single; particles.h */
     struct NAME(doubles) v2, spin2;
 };
 
-LANES_INLINE struct NAME(kick) NAME(kick_of)(const struct kick_constants *k)
+LANES_INLINE struct NAME(kick) NAME(kick_of)(const struct particles *p, const struct kick_constants *k)
 {
+    const double unit = p->speed_unit, damped = unit / p->force_unit;
     return (struct NAME(kick)){
         .half = f64_all(0.5 * k->dt),
-        .minus_gamma_b = real_all(-k->gamma_b),
-        .gravity = {real_all(k->gravity[0]), real_all(k->gravity[1]), real_all(k->gravity[2])},
-        .minus_slowing = real_all(-2.5 * k->gamma_br), /* a^2/I = 2.5/m */
+        .minus_gamma_b = real_all(-k->gamma_b * damped),
+        .gravity = {real_all(k->gravity[0] / unit), real_all(k->gravity[1] / unit), real_all(k->gravity[2] / unit)},
+        .minus_slowing = real_all(-2.5 * k->gamma_br * damped), /* a^2/I = 2.5/m */
+        .speed_unit = f64_all(unit),
         .v2 = NAME(doubles_of)(real_all(0.0)),
         .spin2 = NAME(doubles_of)(real_all(0.0)),
     };
 }
 
 /* What the background takes [W]. */
-LANES_INLINE double NAME(power)(const struct NAME(kick) * kick, const struct kick_constants *k)
+LANES_INLINE double NAME(power)(const struct NAME(kick) * kick, const struct particles *p,
+                                const struct kick_constants *k)
 {
-    return k->gamma_b * NAME(doubles_sum)(kick->v2) + k->gamma_br * NAME(doubles_sum)(kick->spin2);
+    const double unit2 = p->speed_unit * p->speed_unit;
+    return unit2 * (k->gamma_b * NAME(doubles_sum)(kick->v2) + k->gamma_br * NAME(doubles_sum)(kick->spin2));
 }
 
 /* Accelerations from forces, background damping and gravity. */
@@ -171,7 +176,7 @@ struct NAME(drift) {
     real since; /* 1; 0 at the start of a stage, whose springs are those of now and not of half a step ahead */
 #if SINGLE
     real push;                /* from the middle of the step before to that of the one to come */
-    real quanta, quanta_rest; /* dt, in quanta per m/s; and what rounding left out */
+    real quanta, quanta_rest; /* dt, in quanta per unit of speed; and what rounding left out */
 #else
     f64 dt, before_half;
 #endif
@@ -185,7 +190,7 @@ LANES_INLINE struct NAME(drift) NAME(drift_of)(const struct particles *p, double
     to.limit2 = real_all(reach * reach);
     to.since = real_all(before_s > 0 ? 1.0 : 0.0);
 #if SINGLE
-    const double quanta = dt_s / p->quantum;
+    const double quanta = dt_s / p->quantum * p->speed_unit;
     to.push = real_all(0.5 * (before_s + dt_s));
     to.quanta = real_all(quanta);
     to.quanta_rest = real_all(quanta - (double)(float)quanta);
@@ -311,6 +316,15 @@ static void NAME(hold_padding)(struct particles *p, const struct kick_constants 
     }
 }
 
+/* Accelerations in units of speed over s. */
+LANES_INLINE real NAME(in_units)(const struct particles *p, const double *a)
+{
+    struct NAME(doubles) from = NAME(doubles_load)(a);
+    for (int h = 0; SINGLE && h < PARTS; h++)
+        from.part[h] = f64_all(1 / p->speed_unit) * from.part[h];
+    return REAL(narrow)(from.part);
+}
+
 /* The loops here go over a copy of the particles' pointers, which no store can change. */
 static bool NAME(drift)(struct particles *p, double dt_s, double before_s, double reach_m)
 {
@@ -319,10 +333,10 @@ static bool NAME(drift)(struct particles *p, double dt_s, double before_s, doubl
     for (int i = of.from; i < of.count; i += LANES) {
         struct NAME(push) push;
         for (int c = 0; c < DIM; c++)
-            push.a[c] = REAL(narrow)(NAME(doubles_load)(of.a[c] + i).part);
+            push.a[c] = NAME(in_units)(&of, of.a[c] + i);
 #if FRICTIONAL
         for (int c = 0; c < SPRINGS; c++)
-            push.alpha[c] = REAL(narrow)(NAME(doubles_load)(of.alpha[c] + i).part);
+            push.alpha[c] = NAME(in_units)(&of, of.alpha[c] + i);
 #endif
         NAME(drifted)(&of, i, &drift, &push, true);
     }
@@ -337,6 +351,10 @@ LANES_INLINE void NAME(settle)(const struct NAME(kick) * kick, int i, const void
 #if SINGLE
     middle =
         NAME(doubles_add)(NAME(doubles_of)(real_load((const float *)view + i)), NAME(doubles_of)(real_load(rest + i)));
+    for (int h = 0; h < PARTS; h++) {
+        middle.part[h] = kick->speed_unit * middle.part[h];
+        more.part[h] = kick->speed_unit * more.part[h];
+    }
 #else
     (void)view;
     (void)rest;
@@ -349,7 +367,7 @@ LANES_INLINE void NAME(settle)(const struct NAME(kick) * kick, int i, const void
 static double NAME(kick)(struct particles *p, const struct kick_constants *constants)
 {
     struct particles of = *p;
-    struct NAME(kick) kick = NAME(kick_of)(constants);
+    struct NAME(kick) kick = NAME(kick_of)(p, constants);
     for (int i = of.from; i < of.count; i += LANES) {
         struct NAME(push) push = NAME(pushed)(&of, i, &kick);
         for (int c = 0; c < DIM; c++)
@@ -360,7 +378,7 @@ static double NAME(kick)(struct particles *p, const struct kick_constants *const
 #endif
     }
     NAME(hold_padding)(&of, constants);
-    return NAME(power)(&kick, constants);
+    return NAME(power)(&kick, p, constants);
 }
 
 /* Both in one pass: the kick of a step and the drift of the next. */
@@ -368,13 +386,13 @@ static bool NAME(advance)(struct particles *p, const struct kick_constants *cons
                           double *background_w)
 {
     struct particles of = *p;
-    struct NAME(kick) kick = NAME(kick_of)(constants);
+    struct NAME(kick) kick = NAME(kick_of)(p, constants);
     struct NAME(drift) drift = NAME(drift_of)(p, dt_s, constants->dt, reach_m);
     for (int i = of.from; i < of.count; i += LANES) {
         struct NAME(push) push = NAME(pushed)(&of, i, &kick);
         NAME(drifted)(&of, i, &drift, &push, false);
     }
     NAME(hold_padding)(&of, constants);
-    *background_w = NAME(power)(&kick, constants);
+    *background_w = NAME(power)(&kick, p, constants);
     return !REAL(mask_all)(drift.near);
 }

@@ -39,9 +39,9 @@ struct row {
     {                                                                                                                  \
         {.name = name_, .unit = unit_, .component = -1, .length = length_}, has_                                       \
     }
-#define COMPONENT(name_, unit_, c, rest_, has_)                                                                        \
+#define COMPONENT(name_, unit_, c, rest_, force_, has_)                                                                \
     {                                                                                                                  \
-        {.name = name_, .unit = unit_, .component = c, .odd = true, .rest = rest_}, has_                               \
+        {.name = name_, .unit = unit_, .component = c, .odd = true, .rest = rest_, .force = force_}, has_              \
     }
 
 /* a' (omega_i - omega_j) changes its sign with i and j in any dimension; along n it does not */
@@ -52,18 +52,18 @@ struct row {
 
 static const struct row table[HISTORY_COLUMNS] = {
     [HISTORY_MAX_OVERLAP] = NUMBER("max_overlap", "m", true, has_max_overlap),
-    [HISTORY_SPRING] = COMPONENT("spring", "m", 0, false, has_spring),
-    [HISTORY_SPRING + 1] = COMPONENT("spring", "m", 1, false, has_spring),
-    [HISTORY_SPRING + 2] = COMPONENT("spring", "m", 2, false, has_spring),
-    [HISTORY_SPRING_REST] = COMPONENT("spring_rest", "m", 0, true, has_spring),
-    [HISTORY_SPRING_REST + 1] = COMPONENT("spring_rest", "m", 1, true, has_spring),
-    [HISTORY_SPRING_REST + 2] = COMPONENT("spring_rest", "m", 2, true, has_spring),
-    [HISTORY_FORCE] = COMPONENT("tangential_force", "N", 0, false, has_force),
-    [HISTORY_FORCE + 1] = COMPONENT("tangential_force", "N", 1, false, has_force),
-    [HISTORY_FORCE + 2] = COMPONENT("tangential_force", "N", 2, false, has_force),
-    [HISTORY_FORCE_REST] = COMPONENT("tangential_force_rest", "N", 0, true, has_force),
-    [HISTORY_FORCE_REST + 1] = COMPONENT("tangential_force_rest", "N", 1, true, has_force),
-    [HISTORY_FORCE_REST + 2] = COMPONENT("tangential_force_rest", "N", 2, true, has_force),
+    [HISTORY_SPRING] = COMPONENT("spring", "m", 0, false, false, has_spring),
+    [HISTORY_SPRING + 1] = COMPONENT("spring", "m", 1, false, false, has_spring),
+    [HISTORY_SPRING + 2] = COMPONENT("spring", "m", 2, false, false, has_spring),
+    [HISTORY_SPRING_REST] = COMPONENT("spring_rest", "m", 0, true, false, has_spring),
+    [HISTORY_SPRING_REST + 1] = COMPONENT("spring_rest", "m", 1, true, false, has_spring),
+    [HISTORY_SPRING_REST + 2] = COMPONENT("spring_rest", "m", 2, true, false, has_spring),
+    [HISTORY_FORCE] = COMPONENT("tangential_force", "N", 0, false, true, has_force),
+    [HISTORY_FORCE + 1] = COMPONENT("tangential_force", "N", 1, false, true, has_force),
+    [HISTORY_FORCE + 2] = COMPONENT("tangential_force", "N", 2, false, true, has_force),
+    [HISTORY_FORCE_REST] = COMPONENT("tangential_force_rest", "N", 0, true, true, has_force),
+    [HISTORY_FORCE_REST + 1] = COMPONENT("tangential_force_rest", "N", 1, true, true, has_force),
+    [HISTORY_FORCE_REST + 2] = COMPONENT("tangential_force_rest", "N", 2, true, true, has_force),
     [HISTORY_CONTACT_RADIUS] = NUMBER("contact_radius", "m", true, has_force),
     [HISTORY_SLIDING] = NUMBER("sliding", "1", false, has_friction),
     [HISTORY_ROLLING] = ROLLED("rolling_spring", 0, false),

@@ -25,6 +25,7 @@ struct history_field {
     const char *unit;
     int component; /* of a vector; -1: a number */
     bool length;   /* kept in the unit of the slots (contact_slots.unit) */
+    bool force;    /* kept in that of forces (contact_slots.force_unit) */
     bool odd; /* in 3D the other sign when i and j change places; in 2D a number along a tangent that turns with n */
     bool odd_in_plane; /* the other sign in 2D */
     bool rest;         /* what rounding left out of another field; mixed precision only */

@@ -37,6 +37,8 @@ struct contact_law_constants contact_law_constants_of(const struct scene_materia
         .gamma_t = rough ? m->gamma_t_kg_per_s : 0,
         .rolling = resistance_of(rough ? m->mu_rolling : 0, m->kr_n_per_m, m->gamma_r_kg_per_s),
         .torsion = resistance_of(rough ? m->mu_torsion : 0, m->ko_n_per_m, m->gamma_o_kg_per_s),
+        .no_pull = m->dashpot_pull == DASHPOT_PULL_NONE,
+        .elastic_limit = m->friction_limit == FRICTION_LIMIT_ELASTIC,
         .springs = rough && (mindlin || kt > 0),
     };
     law.normal[NORMAL_CONSTANTS_MAX - 1] = m->gamma_n_kg_per_s;

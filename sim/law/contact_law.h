@@ -21,8 +21,16 @@ struct contact_law_constants {
     double kt, inv_kt; /* N/m, m/N */
     double gamma_t;    /* kg/s */
     struct contact_resistance rolling, torsion;
-    bool springs;     /* friction has springs; without friction, or with kt = 0, they stay as they are */
-    double per_force; /* 1/(a small force of the scene) [1/N], a power of 2; contact_law_set_scale */
+    bool no_pull;       /* the normal dashpot never makes a contact pull */
+    bool elastic_limit; /* friction is limited by the elastic force alone */
+    bool springs;       /* friction has springs; without friction, or with kt = 0, they stay as they are */
+    double per_force;   /* 1/(a small force of the scene) [1/N], a power of 2; contact_law_set_scale */
+};
+
+/* What kernels count lengths [m], velocities [m/s] and forces [N] in: powers of 2, so that nothing is rounded.
+ * Rotations go in velocity units over a metre. In double all are 1. */
+struct law_units {
+    double length, speed, force;
 };
 
 /* Energy lost in contacts since the start of the stage [J]. */

@@ -79,8 +79,7 @@ LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
 }
 
 /* The text of a normal law gives, each for lanes of this model:
- * - normal_law, normal_law_of: its constants, from those of contact_law.h; unit: that of overlaps and lengths it
- *   remembers [m];
+ * - normal_law, normal_law_of: its constants, from those of contact_law.h, in the units of the lanes;
  * - normal_memory, normal_memory_at: its columns of the history (contact_history.h);
  * - normal_elastic (not if PER_PAIR): the elastic force at overlap delta >= 0 (0: none), with the history moved on;
  * - normal_friction_limit: the force that limits friction, from the overlap and the force `pressing` along n on j;
@@ -94,18 +93,20 @@ LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
 #undef NORMAL_LANES
 
 #if ROLLING
-/* Of rolling or torsion: mu, spring [N/m], dashpot [kg/s], gamma - k dt/2, and 1 if there is any. */
+/* Of rolling or torsion: mu, spring, dashpot, gamma - k dt/2, and 1 if there is any; forces in their unit. */
 struct NAME(resistance) {
     scalar mu, k, inv_k, gamma, lever, on;
 };
 
-LANES_INLINE struct NAME(resistance) NAME(resistance_of)(const struct contact_resistance *r, double lever_s)
+LANES_INLINE struct NAME(resistance)
+    NAME(resistance_of)(const struct contact_resistance *r, double lever_s, const struct law_units *units)
 {
+    const double damped = units->speed / units->force;
     return (struct NAME(resistance)){.mu = (scalar)r->mu,
-                                     .k = (scalar)r->k,
-                                     .inv_k = (scalar)r->inv_k,
-                                     .gamma = (scalar)r->gamma,
-                                     .lever = (scalar)(r->gamma - 0.5 * r->k * lever_s),
+                                     .k = (scalar)(r->k / units->force),
+                                     .inv_k = (scalar)(r->inv_k * units->force),
+                                     .gamma = (scalar)(r->gamma * damped),
+                                     .lever = (scalar)((r->gamma - 0.5 * r->k * lever_s) * damped),
                                      .on = r->k > 0};
 }
 #endif
@@ -116,28 +117,36 @@ struct NAME(law) {
     struct NAME(resistance) rolling, torsion;
 #endif
     scalar gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt;
+    scalar inv_gamma_n;                   /* 0 without a dashpot; laws that are not PER_PAIR */
     scalar lever;                         /* gamma_t - kt dt/2 */
-    scalar per_force;                     /* 1/N, a power of 2 */
+    scalar per_force;                     /* 1/(a small force of the scene), a power of 2 */
     scalar half, damped;                  /* Mindlin: dt/2 of that, and the part of gamma_t */
     scalar unit, dt_units, half_per_unit; /* of lengths [m]; dt and dt/2 over that */
+    bool no_pull, elastic_limit;
 };
 
-/* dt_s: by which the contacts go on; lever_s: the time step that springs are half of ahead; unit: that of overlaps and
- * histories [m] */
+/* dt_s: by which the contacts go on; lever_s: the time step that springs are half of ahead */
 LANES_INLINE struct NAME(law)
-    NAME(law_of)(const struct contact_law_constants *law, double dt_s, double lever_s, double unit)
+    NAME(law_of)(const struct contact_law_constants *law, double dt_s, double lever_s, const struct law_units *units)
 {
+    const double unit = units->length, force = units->force, damped = units->speed / force;
+    const double dt = law->springs ? dt_s * units->speed : 0; /* springs are in m */
     return (struct NAME(law))
     {
-        .normal = NAME(normal_law_of)(law->normal, unit),
+        .normal = NAME(normal_law_of)(law->normal, units),
 #if ROLLING
-        .rolling = NAME(resistance_of)(&law->rolling, lever_s), .torsion = NAME(resistance_of)(&law->torsion, lever_s),
+        .rolling = NAME(resistance_of)(&law->rolling, lever_s, units),
+        .torsion = NAME(resistance_of)(&law->torsion, lever_s, units),
 #endif
-        .gamma_n = (scalar)law->gamma_n, .mu_s = (scalar)law->mu_s, .mu_d = (scalar)law->mu_d, .kt = (scalar)law->kt,
-        .inv_kt = (scalar)law->inv_kt, .gamma_t = (scalar)law->gamma_t, .dt = (scalar)(law->springs ? dt_s : 0),
-        .lever = (scalar)(law->gamma_t - 0.5 * law->kt * lever_s), .half = (scalar)(law->springs ? 0.5 * lever_s : 0),
-        .damped = law->springs, .unit = (scalar)unit, .dt_units = (scalar)(law->springs ? dt_s / unit : 0),
-        .half_per_unit = (scalar)(law->springs ? 0.5 * dt_s / unit : 0), .per_force = (scalar)law->per_force
+        .gamma_n = (scalar)(law->gamma_n * damped), .mu_s = (scalar)law->mu_s, .mu_d = (scalar)law->mu_d,
+        .kt = (scalar)(law->kt / force), .inv_kt = (scalar)(law->inv_kt * force),
+        .gamma_t = (scalar)(law->gamma_t * damped), .dt = (scalar)dt,
+        .lever = (scalar)((law->gamma_t - 0.5 * law->kt * lever_s) * damped),
+        .half = (scalar)(law->springs ? 0.5 * lever_s * units->speed : 0), .damped = law->springs, .unit = (scalar)unit,
+        .dt_units = (scalar)(dt / unit), .half_per_unit = (scalar)(0.5 * dt / unit),
+        .per_force = (scalar)(law->per_force * force),
+        .inv_gamma_n = (scalar)(law->gamma_n > 0 ? 1 / (law->gamma_n * damped) : 0), .no_pull = law->no_pull,
+        .elastic_limit = law->elastic_limit
     };
 }
 
@@ -449,6 +458,17 @@ LANES_INLINE void NAME(friction_sums_close)(struct NAME(sums) * sums, struct NAM
 #endif
 #endif
 
+/* No pull: takes from `pressing` what the dashpot draws beyond the law's own attraction, and what it then dissipates
+ * less from the sum. */
+LANES_INLINE real NAME(without_pull)(const struct NAME(law) * law, real u, real delta, real pressing,
+                                     struct NAME(sums) * sums)
+{
+    const real cut = real_smaller(NAME(normal_friction_limit)(&law->normal, delta, pressing), real_all(0.0));
+    const real per = real_all(PER_PAIR ? (scalar)1 : law->inv_gamma_n);
+    sums->normal = real_fma(cut * per, u, sums->normal);
+    return pressing + cut;
+}
+
 /* First half of the law for one set of contacts. Open ones have the overlap 0, for which the law gives no force and no
  * history. */
 LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const struct NAME(meeting) * at,
@@ -476,8 +496,11 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
     real elastic = NAME(normal_elastic)(&law->normal, delta, &memory->normal, &sums->own);
 #endif
     touch.pressing = real_fma(gamma_n, u, -elastic);
+    if (law->no_pull)
+        touch.pressing = NAME(without_pull)(law, u, delta, touch.pressing, sums);
 #if FRICTIONAL
-    real limit = real_larger(NAME(normal_friction_limit)(&law->normal, delta, touch.pressing), zero);
+    const real limiting = law->elastic_limit ? -elastic : touch.pressing;
+    real limit = real_larger(NAME(normal_friction_limit)(&law->normal, delta, limiting), zero);
     touch.active = active;
     touch.arm = at->arm;
 #if MINDLIN
@@ -527,15 +550,16 @@ LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals)
 
 /* Adds the totals as energies [J]. */
 LANES_INLINE void NAME(totals_add)(const struct NAME(totals) * totals, const struct contact_law_constants *law,
-                                   double dt_s, double unit, struct contact_losses *losses)
+                                   double dt_s, const struct law_units *units, struct contact_losses *losses)
 {
-    losses->viscous_normal += (PER_PAIR ? 1 : law->gamma_n) * dt_s * NAME(doubles_sum)(totals->normal);
-    losses->hysteresis += NAME(normal_hysteresis_j)(&totals->own, law->normal, unit);
+    const double normal = PER_PAIR ? units->force * units->speed : law->gamma_n * units->speed * units->speed;
+    losses->viscous_normal += normal * dt_s * NAME(doubles_sum)(totals->normal);
+    losses->hysteresis += NAME(normal_hysteresis_j)(&totals->own, law->normal, units);
 #if FRICTIONAL
-    NAME(friction_totals_add)(totals, law, dt_s, losses);
+    NAME(friction_totals_add)(totals, law, dt_s, units, losses);
 #endif
 #if ROLLING
-    NAME(resisted_add)(&totals->rolling, &law->rolling, dt_s, losses);
-    NAME(resisted_add)(&totals->torsion, &law->torsion, dt_s, losses);
+    NAME(resisted_add)(&totals->rolling, &law->rolling, dt_s, units, losses);
+    NAME(resisted_add)(&totals->torsion, &law->torsion, dt_s, units, losses);
 #endif
 }

@@ -7,7 +7,8 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
                                const struct NAME(meeting) * at, void *const *pair, void *const *history,
                                struct contact_forces *f)
 {
-    const struct NAME(law) law = NAME(law_of)(constants, 0, lever_s, 1);
+    const struct law_units si = {1, 1, 1};
+    const struct NAME(law) law = NAME(law_of)(constants, 0, lever_s, &si);
     const struct NAME(memory) memory = NAME(memory_at)(pair, history, 0);
     struct NAME(sums) sums = {0};
     const struct NAME(touch) touch = NAME(touch)(&law, at, &memory, &sums);

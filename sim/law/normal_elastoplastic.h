@@ -55,27 +55,28 @@ struct NAME(normal_law) {
 };
 
 /* The dashpot is that of the stage, handed over as the last constant (contact_law.c). */
-LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, double unit)
+LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, const struct law_units *units)
 {
-    return (struct NAME(normal_law)){.k1 = (scalar)(constant[ELASTOPLASTIC_K1] * unit),
-                                     .kp = (scalar)(constant[ELASTOPLASTIC_KP] * unit),
-                                     .kc = (scalar)(constant[ELASTOPLASTIC_KC] * unit),
-                                     .start = (scalar)(constant[ELASTOPLASTIC_START] * unit),
-                                     .height = (scalar)(constant[ELASTOPLASTIC_HEIGHT] * unit),
-                                     .highest =
-                                         (scalar)((constant[ELASTOPLASTIC_KP] - constant[ELASTOPLASTIC_K1]) * unit),
-                                     .growth = (scalar)(constant[ELASTOPLASTIC_GROWTH] * unit),
-                                     .root = (scalar)constant[ELASTOPLASTIC_ROOT],
-                                     .branch = (scalar)constant[ELASTOPLASTIC_BRANCH],
-                                     .gamma = (scalar)constant[NORMAL_CONSTANTS_MAX - 1],
-                                     .unit = (scalar)unit};
+    const double unit = units->length / units->force;
+    return (struct NAME(normal_law)){
+        .k1 = (scalar)(constant[ELASTOPLASTIC_K1] * unit),
+        .kp = (scalar)(constant[ELASTOPLASTIC_KP] * unit),
+        .kc = (scalar)(constant[ELASTOPLASTIC_KC] * unit),
+        .start = (scalar)(constant[ELASTOPLASTIC_START] * unit),
+        .height = (scalar)(constant[ELASTOPLASTIC_HEIGHT] * unit),
+        .highest = (scalar)((constant[ELASTOPLASTIC_KP] - constant[ELASTOPLASTIC_K1]) * unit),
+        .growth = (scalar)(constant[ELASTOPLASTIC_GROWTH] * unit),
+        .root = (scalar)constant[ELASTOPLASTIC_ROOT],
+        .branch = (scalar)constant[ELASTOPLASTIC_BRANCH],
+        .gamma = (scalar)(constant[NORMAL_CONSTANTS_MAX - 1] * units->speed / units->force),
+        .unit = (scalar)(units->length * units->force)};
 }
 
 struct NAME(normal_memory) {
     scalar *max_overlap;
 };
 
-/* Energies lost in units of length [N m/unit]. */
+/* Energies lost, in units of force times length. */
 struct NAME(normal_sums) {
     real lost;
 };
@@ -161,9 +162,9 @@ LANES_INLINE void NAME(normal_sums_close)(struct NAME(normal_sums) * sums, struc
 }
 
 LANES_INLINE double NAME(normal_hysteresis_j)(const struct NAME(normal_totals) * totals, const double *constant,
-                                              double unit)
+                                              const struct law_units *units)
 {
     (void)constant;
-    return unit * NAME(doubles_sum)(totals->lost);
+    return units->length * units->force * NAME(doubles_sum)(totals->lost);
 }
 #endif

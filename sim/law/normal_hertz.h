@@ -1,6 +1,6 @@
 /* Hertz: f = (4/3) E* sqrt(R) delta^(3/2) (Johnson 1985), with the dashpot of Tsuji et al. (1992) that gives the
  * restitution asked for at any speed (Antypov & Elliott 2011): gamma_n = 2 sqrt(5/6) beta sqrt(S_n m_ij), S_n = 2 E*
- * ac, with the contact radius ac = sqrt(R delta) and beta = -ln e/sqrt(pi^2 + ln^2 e). Friction: Mindlin
+ * ac, with the contact radius ac = sqrt(R delta) and beta as damping_ratio.h. Friction: Mindlin
  * (tangential_mindlin_tmpl.h), k_t = 8 G* ac. */
 #ifndef SHAKEDOWN_SIM_LAW_NORMAL_HERTZ_H
 #define SHAKEDOWN_SIM_LAW_NORMAL_HERTZ_H
@@ -9,6 +9,7 @@
 
 #include "sim/law/contact_law.h"
 #include "sim/law/contact_model.h"
+#include "sim/law/damping_ratio.h"
 
 enum {
     HERTZ_E,            /* E* [Pa] */
@@ -21,11 +22,10 @@ enum { normal_hertz_traits = NORMAL_PER_PAIR | NORMAL_MINDLIN };
 
 static inline void normal_hertz_constants(const struct scene_material *material, double *constant)
 {
-    const double e = material->youngs_modulus_pa, nu = material->poisson_ratio, log_e = log(material->restitution);
-    const double pi = 3.14159265358979323846, beta = -log_e / sqrt(pi * pi + log_e * log_e);
+    const double e = material->youngs_modulus_pa, nu = material->poisson_ratio;
     constant[HERTZ_E] = e / (2 * (1 - nu * nu));
     constant[HERTZ_8G] = 8 * e / (4 * (2 - nu) * (1 + nu));
-    constant[HERTZ_DAMPING] = 2 * sqrt(5.0 / 6) * beta * sqrt(2 * constant[HERTZ_E]);
+    constant[HERTZ_DAMPING] = 2 * sqrt(5.0 / 6) * damping_ratio_of(material) * sqrt(2 * constant[HERTZ_E]);
     constant[HERTZ_TANGENT_RATIO] = sqrt(constant[HERTZ_8G] / (2 * constant[HERTZ_E]));
 }
 
@@ -39,18 +39,18 @@ static inline double normal_hertz_stiffness(const double *constant, double radiu
 
 #ifdef NORMAL_LANES
 struct NAME(normal_law) {
-    scalar e43, g8, inv_g8, damping, tangent_ratio,
-        two_fifths_unit; /* for lengths in units: forces in N, stiffness in N/m */
+    scalar e43, g8, inv_g8, damping, tangent_ratio, two_fifths_unit; /* for lengths in units; k_t is per m */
 };
 
-LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, double unit)
+LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, const struct law_units *units)
 {
-    return (struct NAME(normal_law)){.e43 = (scalar)(4.0 / 3 * constant[HERTZ_E] * unit * unit),
-                                     .g8 = (scalar)(constant[HERTZ_8G] * unit),
-                                     .inv_g8 = (scalar)(1 / (constant[HERTZ_8G] * unit)),
-                                     .damping = (scalar)(constant[HERTZ_DAMPING] * sqrt(unit)),
+    const double unit = units->length, force = units->force;
+    return (struct NAME(normal_law)){.e43 = (scalar)(4.0 / 3 * constant[HERTZ_E] * unit * unit / force),
+                                     .g8 = (scalar)(constant[HERTZ_8G] * unit / force),
+                                     .inv_g8 = (scalar)(force / (constant[HERTZ_8G] * unit)),
+                                     .damping = (scalar)(constant[HERTZ_DAMPING] * sqrt(unit) * units->speed / force),
                                      .tangent_ratio = (scalar)constant[HERTZ_TANGENT_RATIO],
-                                     .two_fifths_unit = (scalar)(0.4 * unit)};
+                                     .two_fifths_unit = (scalar)(0.4 * unit * force)};
 }
 
 struct NAME(normal_memory) {

@@ -44,8 +44,9 @@ struct NAME(normal_law) {
     scalar k2, kc, k2_minus_k1, branch_ratio;
 };
 
-LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, double unit)
+LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, const struct law_units *units)
 {
+    const double unit = units->length / units->force;
     return (struct NAME(normal_law)){.k2 = (scalar)(constant[HYSTERETIC_K2] * unit),
                                      .kc = (scalar)(constant[HYSTERETIC_KC] * unit),
                                      .k2_minus_k1 = (scalar)(constant[HYSTERETIC_K2_MINUS_K1] * unit),
@@ -104,8 +105,9 @@ LANES_INLINE void NAME(normal_sums_close)(struct NAME(normal_sums) * sums, struc
 }
 
 LANES_INLINE double NAME(normal_hysteresis_j)(const struct NAME(normal_totals) * totals, const double *constant,
-                                              double unit)
+                                              const struct law_units *units)
 {
+    const double unit = units->length;
     const double rise = NAME(doubles_sum)(totals->rise), fall = rise - NAME(doubles_sum)(totals->change);
     return unit * unit * (constant[HYSTERETIC_LOADING_LOSS] * rise + constant[HYSTERETIC_ADHESION_LOSS] * fall);
 }

@@ -27,8 +27,9 @@ struct NAME(normal_law) {
     scalar k;
 };
 
-LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, double unit)
+LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, const struct law_units *units)
 {
+    const double unit = units->length / units->force;
     return (struct NAME(normal_law)){.k = (scalar)(constant[LINEAR_K] * unit)};
 }
 

@@ -1,5 +1,5 @@
-/* Linear spring whose dashpot gives every pair the restitution e asked for: gamma_n = gamma + 2 beta sqrt(k m_ij), beta
- * = -ln e/sqrt(pi^2 + ln^2 e), from [D]: e = exp(-eta t_c). */
+/* Linear spring whose dashpot gives every pair the restitution e asked for: gamma_n = gamma + 2 zeta sqrt(k m_ij),
+ * zeta as damping_ratio.h. */
 #ifndef SHAKEDOWN_SIM_LAW_NORMAL_LINEAR_RESTITUTION_H
 #define SHAKEDOWN_SIM_LAW_NORMAL_LINEAR_RESTITUTION_H
 
@@ -7,6 +7,7 @@
 
 #include "sim/law/contact_law.h"
 #include "sim/law/contact_model.h"
+#include "sim/law/damping_ratio.h"
 
 enum { RESTITUTION_K, RESTITUTION_GAMMA, RESTITUTION_DAMPING };
 
@@ -14,10 +15,9 @@ enum { normal_linear_restitution_traits = NORMAL_PER_PAIR };
 
 static inline void normal_linear_restitution_constants(const struct scene_material *material, double *constant)
 {
-    const double pi = 3.14159265358979323846, log_e = log(material->restitution);
     constant[RESTITUTION_K] = material->kn_n_per_m;
     constant[RESTITUTION_GAMMA] = material->gamma_n_kg_per_s;
-    constant[RESTITUTION_DAMPING] = -2 * log_e / sqrt(pi * pi + log_e * log_e) * sqrt(material->kn_n_per_m);
+    constant[RESTITUTION_DAMPING] = 2 * damping_ratio_of(material) * sqrt(material->kn_n_per_m);
 }
 
 static inline double normal_linear_restitution_stiffness(const double *constant, double radius_m, double force_n)
@@ -33,12 +33,13 @@ struct NAME(normal_law) {
     scalar k, gamma, damping, half_unit;
 };
 
-LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, double unit)
+LANES_INLINE struct NAME(normal_law) NAME(normal_law_of)(const double *constant, const struct law_units *units)
 {
+    const double unit = units->length / units->force, damped = units->speed / units->force;
     return (struct NAME(normal_law)){.k = (scalar)(constant[RESTITUTION_K] * unit),
-                                     .gamma = (scalar)constant[RESTITUTION_GAMMA],
-                                     .damping = (scalar)constant[RESTITUTION_DAMPING],
-                                     .half_unit = (scalar)(0.5 * unit)};
+                                     .gamma = (scalar)(constant[RESTITUTION_GAMMA] * damped),
+                                     .damping = (scalar)(constant[RESTITUTION_DAMPING] * damped),
+                                     .half_unit = (scalar)(0.5 * units->length * units->force)};
 }
 
 #include "sim/law/normal_lossless_tmpl.h"

@@ -14,10 +14,10 @@ LANES_INLINE void NAME(normal_sums_close)(struct NAME(normal_sums) * sums, struc
 }
 
 LANES_INLINE double NAME(normal_hysteresis_j)(const struct NAME(normal_totals) * totals, const double *constant,
-                                              double unit)
+                                              const struct law_units *units)
 {
     (void)totals;
     (void)constant;
-    (void)unit;
+    (void)units;
     return 0;
 }

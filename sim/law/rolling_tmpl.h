@@ -134,9 +134,11 @@ LANES_INLINE void NAME(resisted_close)(struct NAME(resisted_sums) * sums, struct
 }
 
 LANES_INLINE void NAME(resisted_add)(const struct NAME(resisted_totals) * totals, const struct contact_resistance *r,
-                                     double dt_s, struct contact_losses *losses)
+                                     double dt_s, const struct law_units *units, struct contact_losses *losses)
 {
-    const double power = NAME(doubles_sum)(totals->power);
-    losses->viscous_rolling += r->gamma * (dt_s * NAME(doubles_sum)(totals->v2) - power);
-    losses->rolling += NAME(doubles_sum)(totals->slip) - 0.5 * r->k * (NAME(doubles_sum)(totals->slip2) + dt_s * power);
+    const double power = units->speed * NAME(doubles_sum)(totals->power);
+    const double v2 = units->speed * units->speed * NAME(doubles_sum)(totals->v2);
+    losses->viscous_rolling += r->gamma * (dt_s * v2 - power);
+    losses->rolling +=
+        units->force * NAME(doubles_sum)(totals->slip) - 0.5 * r->k * (NAME(doubles_sum)(totals->slip2) + dt_s * power);
 }

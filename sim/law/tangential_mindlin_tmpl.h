@@ -70,11 +70,13 @@ LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(tou
 }
 
 LANES_INLINE void NAME(friction_totals_add)(const struct NAME(totals) * totals, const struct contact_law_constants *law,
-                                            double dt_s, struct contact_losses *losses)
+                                            double dt_s, const struct law_units *units, struct contact_losses *losses)
 {
+    const double force = units->force, power = units->speed * NAME(doubles_sum)(totals->power);
     (void)law;
-    losses->viscous_tangential += dt_s * NAME(doubles_sum)(totals->vt2) - NAME(doubles_sum)(totals->power_t);
-    losses->friction += NAME(doubles_sum)(totals->slip) -
-                        0.5 * (NAME(doubles_sum)(totals->slip2) + dt_s * NAME(doubles_sum)(totals->power));
-    losses->stiffness += 0.5 * NAME(doubles_sum)(totals->stiffness);
+    losses->viscous_tangential +=
+        force * (dt_s * units->speed * NAME(doubles_sum)(totals->vt2) - NAME(doubles_sum)(totals->power_t));
+    losses->friction +=
+        force * (NAME(doubles_sum)(totals->slip) - 0.5 * (NAME(doubles_sum)(totals->slip2) + dt_s * power));
+    losses->stiffness += 0.5 * force * NAME(doubles_sum)(totals->stiffness);
 }

@@ -54,10 +54,11 @@ LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(tou
 }
 
 LANES_INLINE void NAME(friction_totals_add)(const struct NAME(totals) * totals, const struct contact_law_constants *law,
-                                            double dt_s, struct contact_losses *losses)
+                                            double dt_s, const struct law_units *units, struct contact_losses *losses)
 {
-    const double power = NAME(doubles_sum)(totals->power);
-    losses->viscous_tangential += law->gamma_t * (dt_s * NAME(doubles_sum)(totals->vt2) - power);
-    losses->friction +=
-        NAME(doubles_sum)(totals->slip) - 0.5 * law->kt * (NAME(doubles_sum)(totals->slip2) + dt_s * power);
+    const double power = units->speed * NAME(doubles_sum)(totals->power);
+    const double vt2 = units->speed * units->speed * NAME(doubles_sum)(totals->vt2);
+    losses->viscous_tangential += law->gamma_t * (dt_s * vt2 - power);
+    losses->friction += units->force * NAME(doubles_sum)(totals->slip) -
+                        0.5 * law->kt * (NAME(doubles_sum)(totals->slip2) + dt_s * power);
 }

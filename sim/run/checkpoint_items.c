@@ -18,7 +18,8 @@ enum extent {
     PER_ROTATION_IF_SINGLE,
     PER_AXIS_IF_TURNING, /* double, with rotations */
     PER_ROTATION_IF_DOUBLE,
-    IF_ROTATIONS
+    IF_ROTATIONS,
+    IN_PLACE_IF_SINGLE
 };
 
 struct entry {
@@ -147,6 +148,8 @@ static const struct entry members[] = {
     PARTICLES(mass, ONE_ARRAY),
     PARTICLES(inv_mass, ONE_ARRAY),
     PARTICLES(inv_inertia, IF_ROTATIONS),
+    {"speed_unit", OF_PARTICLES, F64, offsetof(struct particles, speed_unit), IN_PLACE_IF_SINGLE, 1, true},
+    {"force_unit", OF_PARTICLES, F64, offsetof(struct particles, force_unit), IN_PLACE_IF_SINGLE, 1, true},
     STEPS(view_u, I32, PER_AXIS_IF_SINGLE),
     STEPS(view_v, F32, PER_AXIS_IF_SINGLE),
     STEPS(view_omega, F32, PER_ROTATION_IF_SINGLE),
@@ -182,7 +185,8 @@ static int components(const struct entry *entry, const struct model *model)
                      [PER_ROTATION_IF_SINGLE] = model->single ? model->rotations : 0,
                      [PER_AXIS_IF_TURNING] = !model->single && model->rotations > 0 ? model->axes : 0,
                      [PER_ROTATION_IF_DOUBLE] = !model->single ? model->rotations : 0,
-                     [IF_ROTATIONS] = model->rotations > 0};
+                     [IF_ROTATIONS] = model->rotations > 0,
+                     [IN_PLACE_IF_SINGLE] = model->single};
     return n[entry->extent];
 }
 
@@ -194,7 +198,7 @@ static void collect_entry(struct checkpoint_items *items, const struct entry *en
     for (int c = 0; c < components(entry, model) && items->n < CHECKPOINT_ITEMS_MAX; c++) {
         struct checkpoint_item *item = &items->item[items->n++];
         *item = (struct checkpoint_item){.type = entry->type, .count = entry->count, .data = at, .late = entry->late};
-        if (entry->extent != IN_PLACE) {
+        if (entry->extent != IN_PLACE && entry->extent != IN_PLACE_IF_SINGLE) {
             item->count = model->count;
             memcpy(&item->data, at + (size_t)c * sizeof item->data, sizeof item->data);
         }

@@ -100,6 +100,7 @@ enum status sample_start(struct sample *sample)
 {
     for (int w = 0; w < sample->n_walls; w++)
         sample->trajectory.x0[w] = sample->walls[w].x;
+    particles_set_units(&sample->particles, sample->scene->stage[0].dt_s);
     TRY(sample_init_lists(sample));
     return sample_build_lists(sample);
 }

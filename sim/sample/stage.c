@@ -83,9 +83,11 @@ static enum status forget_friction(struct sample *sample)
 
 static void set_spring(struct contact_list *list, int c, int rest, int k, double now)
 {
-    list->history[c][k] = list->model.single ? (float)now : now;
+    const double unit =
+        history_field(c)->force ? list->slots.force_unit : 1; /* in which the slots have it as a float */
+    list->history[c][k] = list->model.single ? unit * (float)(now / unit) : now;
     if (list->model.single)
-        list->history[rest][k] = (float)(now - (float)now);
+        list->history[rest][k] = now - list->history[c][k];
 }
 
 /* Springs (Mindlin: forces) of contact k of list l as they are now. */
