@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Runs that are disturbed must come to the same record:
 #   ./shakedown bench faults [--n N] [--seed N] [--kinds LIST] [--stop SECONDS] [--kills N]
+#   ./shakedown bench faults --signals [--kinds PATTERNS]       each signal to each process: faults_signals.sh
 # Each kind of fault below is tried N times (default 10) at random moments of a run of a second (tests/scenes/gentle.cfg);
 # kills_many and kills_at_calls are runs with up to KILLS kills each (default 12), which are counted one by one.
 # What the driver does not mend by itself is gone on with by `./shakedown run --resume`. Prints how often each was tried
@@ -23,7 +24,7 @@ if [ -z "${FAULTS_MOUNTS:-}" ]; then
     FAULTS_MOUNTS=1 exec unshare "${user[@]}" --mount -- "$BASH" "${BASH_SOURCE[0]}" "$@"
 fi
 
-read_options '' '--n --seed --kinds --stop --kills' '--n --seed --kinds --stop --kills' "$@"
+read_options --signals '--n --seed --kinds --stop --kills' '--signals --n --seed --kinds --stop --kills' "$@"
 n=${given[--n]:-10}
 RANDOM=${given[--seed]:-1}
 readonly stop_s=${given[--stop]:-3} # how long stop_any holds a process
@@ -346,6 +347,13 @@ trial_folder_removed() {
         note_bad folder_removed "exit code $code"
     fi
 }
+
+if [ -n "${given[--signals]:-}" ]; then
+    # shellcheck source=faults_signals.sh
+    . "$root/bench/faults_signals.sh"
+    signals_table
+    exit
+fi
 
 # --- The table -------------------------------------------------------------------------------------------------------
 

@@ -6,9 +6,9 @@
 
 #include "common/command_line.h"
 #include "launcher/child.h"
+#include "launcher/launch.h"
 #include "launcher/restarts.h"
 #include "launcher/scene_copy.h"
-#include "launcher/supervise.h"
 
 static const char usage[] =
     "usage: launcher --bin BUILD DIR [--resume] [--keep-going] [--restarts N]\n"

@@ -27,10 +27,18 @@ foreach(case run in_process broken_scene two_runs interrupt kill_sim private odd
   set_tests_properties(driver_${case} PROPERTIES LABELS pipeline TIMEOUT 120 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
 endforeach()
 
+# Who listens to an open run without its key.
+add_test(NAME open_readers COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_open_readers.sh ${PROJECT_SOURCE_DIR}/scenes/quick.cfg
+         ${PROJECT_SOURCE_DIR}/lcmtypes)
+set_tests_properties(open_readers PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 125
+                     ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
+
 # A few of the faults of `./shakedown bench faults`, at random moments.
 add_test(NAME faults_kills COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --n 1
          --kinds "kill_sim kill_wallctl kill_recorder kill_launcher kill_all")
 add_test(NAME faults_signals COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --n 3 --kinds "term_all signal_any")
 add_test(NAME faults_disk COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --n 1 --kinds "full_disk read_only folder_removed")
-set_tests_properties(faults_kills faults_signals faults_disk PROPERTIES LABELS fault TIMEOUT 300 SKIP_RETURN_CODE 125
+add_test(NAME faults_signal_matrix COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --signals
+         --kinds "TERM:all:* HUP:wallctl:mid INT:sim:last_flush KILL:recorder:last_flush TERM:all_in_one:last_flush")
+set_tests_properties(faults_kills faults_signals faults_disk faults_signal_matrix PROPERTIES LABELS fault TIMEOUT 300 SKIP_RETURN_CODE 125
                      ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")

@@ -181,5 +181,8 @@ enum status run_records_finish(struct run *run, enum status status)
     sent = send_end(run, status);
     if (sent == STATUS_OK)
         sent = record_stream_flush(run->stream);
+    int64_t log_bytes;
+    if (sent == STATUS_OK) /* a recorder does that itself */
+        sent = bus_log_sync(&run->bus, &log_bytes);
     return status != STATUS_OK ? status_fail(status, "%s", message) : sent;
 }

@@ -1,6 +1,6 @@
 /* Runs a run: starts its processes, watches over them, starts again what died, ends them in order. */
-#ifndef SHAKEDOWN_LAUNCHER_SUPERVISE_H
-#define SHAKEDOWN_LAUNCHER_SUPERVISE_H
+#ifndef SHAKEDOWN_LAUNCHER_LAUNCH_H
+#define SHAKEDOWN_LAUNCHER_LAUNCH_H
 
 #include "launcher/commands.h"
 
