@@ -45,9 +45,10 @@ failed=0
 for target in "${targets[@]}"; do
     corpus=$fuzz/corpus/$target found=$fuzz/found/$target
     mkdir -p "$corpus" "$found"
-    # large extents are claimed on purpose: an allocation that fails is an answer, not a fault
+    # Large extents are claimed on purpose: an allocation that fails is an answer, not a fault. A busy machine, or one
+    # that suspends this, is no hang: hence ten minutes.
     if ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 "$fuzz/tests/fuzz_${target}_fuzzer" "$corpus" \
-        "$fuzz/seeds/$target" "-max_total_time=$((60 * minutes))" -max_len=16384 -timeout=20 -rss_limit_mb=3000 \
+        "$fuzz/seeds/$target" "-max_total_time=$((60 * minutes))" -max_len=16384 -timeout=600 -rss_limit_mb=3000 \
         "-artifact_prefix=$found/" -print_final_stats=1 >"$found.log" 2>&1; then
         result='nothing found'
     else

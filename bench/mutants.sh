@@ -14,15 +14,15 @@ list=$root/bench/mutants.txt tried=$scratch/tried.txt
 
 # Quick tests of a module, and the programs that they need.
 declare -A tests=(
-    [recorder]='recorder|recorder_log|fuzz_seeds|fuzz_seed_checkpoint|fuzz_run_file|export|recorder_fault'
+    [recorder]='recorder|recorder_log|record_proof|checkpoint_kill_after_end|fuzz_seeds|fuzz_seed_checkpoint|fuzz_run_file|export|recorder_fault'
     [analyzer]='analyzer_.*|fuzz_seeds|fuzz_seed_checkpoint|fuzz_run_file'
-    [common]='scene|bus|recorder|recorder_log|law|sim_unit|judge|fuzz_seeds|fuzz_seed_checkpoint|fuzz_message|fuzz_event_log|fuzz_scene'
-    [wallctl]='law|command_check')
+    [common]='scene|sim_bad_scenes|bus|recorder|recorder_log|record_proof|law|sim_unit|judge|fuzz_seeds|fuzz_seed_checkpoint|fuzz_message|fuzz_event_log|fuzz_scene'
+    [wallctl]='law|wall_command|command_check')
 declare -A programs=(
-    [recorder]='recorder shakedown-export test_recorder test_recorder_log test_recorder_fault fuzz_run_file_corpus fuzz_seeds sim'
+    [recorder]='programs fault_shim test_record_proof test_recorder test_recorder_log test_recorder_fault fuzz_run_file_corpus fuzz_seeds'
     [analyzer]='analyzer fuzz_run_file_corpus fuzz_seeds sim'
-    [common]='test_scene test_bus recorder test_recorder test_recorder_log test_law test_sim_unit test_judge sim fuzz_message_corpus fuzz_event_log_corpus fuzz_scene_corpus fuzz_seeds'
-    [wallctl]='test_law test_command_check')
+    [common]='test_scene test_bus recorder test_recorder test_recorder_log test_record_proof test_law test_sim_unit test_judge sim fuzz_message_corpus fuzz_event_log_corpus fuzz_scene_corpus fuzz_seeds'
+    [wallctl]='test_law test_wall_command test_command_check')
 
 copy_tree() {
     mkdir -p "$source"

@@ -3,13 +3,16 @@
 add_library(test_recorder_support STATIC test_recorder_synthetic.c test_recorder_read.c)
 target_link_libraries(test_recorder_support PUBLIC shakedown_recorder PkgConfig::CMOCKA)
 
-foreach(name test_recorder test_recorder_log test_recorder_fault test_recorder_live)
+foreach(name test_recorder test_recorder_log test_recorder_fault test_recorder_live test_record_proof)
   add_executable(${name} ${name}.c)
   target_link_libraries(${name} PRIVATE test_recorder_support)
 endforeach()
 
 add_test(NAME recorder COMMAND test_recorder)
 set_tests_properties(recorder PROPERTIES LABELS unit TIMEOUT 120)
+
+add_test(NAME record_proof COMMAND test_record_proof)
+set_tests_properties(record_proof PROPERTIES LABELS unit TIMEOUT 30)
 
 add_test(NAME recorder_log COMMAND test_recorder_log)
 set_tests_properties(recorder_log PROPERTIES LABELS replay TIMEOUT 120)

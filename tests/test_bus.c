@@ -439,6 +439,7 @@ static void walls_survive_the_bus(void **unused)
         assert_int_equal(wall_state_encode(&state_back, 11, 12, second), size);
         assert_memory_equal(first, second, size);
         assert_true(state_back.position_m[3] == 4 && state_back.stage_position_m[n_walls - 1] == 49.5 + n_walls);
+        assert_true(state_back.interface_error == 0.25 && state_back.interface_error_before == 0.125);
 
         struct wall_command command = {.step = 9, .stage = 1, .finished = true, .n_steps = 3, .fraction_done = 0.5};
         struct wall_command command_back;

@@ -100,6 +100,7 @@ static void check_samples(hid_t file, const struct synthetic_options *options)
 static void check_frames(hid_t file, const struct synthetic_options *options)
 {
     double *position = read_values(file, "/particles/trajectory/position/value");
+    double *velocity = read_values(file, "/particles/trajectory/velocity/value");
     double *edges = read_values(file, "/particles/trajectory/box/edges/value");
     double *lo = read_values(file, "/frames/box_lo");
     int n = options->n_particles, d = options->dimension;
@@ -110,13 +111,16 @@ static void check_frames(hid_t file, const struct synthetic_options *options)
         assert_true(row[0] == synthetic_position(k / n, k % n, 0));
         assert_true(row[1] == (d == 3 ? synthetic_position(k / n, k % n, 1) : 0.0));
         assert_true(row[2] == synthetic_position(k / n, k % n, d - 1));
+        assert_true(velocity[3 * k] == -row[0] && velocity[3 * k + 2] == -row[2]);
     }
     for (int f = 0; f < options->n_frames; f++) {
         assert_true(edges[9 * f] == 2.0 && edges[9 * f + 8] == 4.0 && edges[9 * f + 1] == 0.0);
         assert_true(fabs(edges[9 * f + 4] - (d == 3 ? 3.0 : thickness)) < 1e-15); /* one rounding of the sum */
         assert_true(lo[3 * f] == -1.0 && lo[3 * f + 2] == -3.0);
+        assert_true(lo[3 * f + 1] == (d == 3 ? -2.0 : -0.5 * thickness));
     }
     free(position);
+    free(velocity);
     free(edges);
     free(lo);
 }

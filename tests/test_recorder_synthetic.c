@@ -218,7 +218,7 @@ static void add_frame_particles(struct synthetic_run *run, int frame)
                                                      .count = count,
                                                      .n_values = count * d,
                                                      .position_m = position_m,
-                                                     .velocity_m_per_s = position_m,
+                                                     .velocity_m_per_s = spin,
                                                      .n_angular = run->options.frictional ? count * (2 * d - 3) : 0,
                                                      .angular_velocity_rad_per_s = spin}};
         synthetic_add(run, RECORD_FRAME_PARTICLES, &message);
@@ -319,7 +319,7 @@ static void add_checkpoint(struct synthetic_run *run)
                                             .n_channels = RECORD_CHANNELS,
                                             .total = total,
                                             .hash = run->hash,
-                                            .n_frames = run->options.n_frames,
+                                            .n_frames = run->options.checkpoint_first ? 0 : run->options.n_frames,
                                             .wall_states = run->next_seq[MESSAGE_WALL_STATE]}};
     synthetic_add(run, RECORD_CHECKPOINT, &message);
 }
@@ -352,6 +352,8 @@ void synthetic_create(struct synthetic_run *run, const struct synthetic_options 
     add_run_info(run);
     add_particles(run);
     add_notes(run);
+    if (options->checkpoint_first)
+        add_checkpoint(run);
     for (int frame = 0; frame < options->n_frames; frame++) {
         add_frame_particles(run, frame);
         add_frame_contacts(run, frame);
@@ -363,7 +365,8 @@ void synthetic_create(struct synthetic_run *run, const struct synthetic_options 
     }
     while (state < options->n_wall_states)
         add_wall_exchange(run, state++);
-    add_checkpoint(run);
+    if (!options->checkpoint_first)
+        add_checkpoint(run);
     add_end(run);
 }
 

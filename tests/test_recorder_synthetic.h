@@ -17,7 +17,8 @@ struct synthetic_options {
     int n_particles;
     int n_samples;
     int n_frames;
-    int n_wall_states; /* and as many commands; spread over the run */
+    int n_wall_states;     /* and as many commands; spread over the run */
+    bool checkpoint_first; /* CHECKPOINT behind the notes, before frames and samples; else behind all of them */
 };
 
 struct synthetic_message {

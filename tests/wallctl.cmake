@@ -10,6 +10,11 @@ target_link_libraries(test_law PRIVATE wall_fixture)
 add_test(NAME law COMMAND test_law)
 set_tests_properties(law PROPERTIES LABELS "unit;physics" TIMEOUT 30)
 
+add_executable(test_wall_command ${CMAKE_CURRENT_LIST_DIR}/test_wall_command.c)
+target_link_libraries(test_wall_command PRIVATE wall_fixture)
+add_test(NAME wall_command COMMAND test_wall_command)
+set_tests_properties(wall_command PROPERTIES LABELS "unit;physics" TIMEOUT 30)
+
 add_executable(test_scene ${CMAKE_CURRENT_LIST_DIR}/test_scene.c)
 target_link_libraries(test_scene PRIVATE shakedown_common PkgConfig::CMOCKA)
 add_test(NAME scene COMMAND test_scene)
