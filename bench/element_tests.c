@@ -19,7 +19,7 @@ const struct element_test element_tests[] = {
     {"triaxial_compression",
      "drained compression",
      false,
-     {"stages.2.walls.z.strain=0.005", "stages.2.frame_strains=[0.0]"}},
+     {"stages.2.walls.z.strain=0.005", "stages.2.duration_s=0.4", "stages.2.frame_strains=[0.0]"}},
     {"triaxial_extension", "drained extension", false, {"stages.2.walls.z.strain=-0.005"}},
     {"mohr_coulomb", "Mohr-Coulomb series", false, {"stages.2.walls.z.strain=0.005"}},
     {"constant_volume", "constant volume", false, {"stages.2.walls.z.strain=0.003"}},
