@@ -17,3 +17,7 @@ add_test(NAME fcc_strength COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_fcc.sh)
 set_tests_properties(fcc_strength PROPERTIES LABELS physics TIMEOUT 120 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
 add_test(NAME bulk_modulus COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_bulk_modulus.sh)
 set_tests_properties(bulk_modulus PROPERTIES LABELS pipeline TIMEOUT 120 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
+
+# Small scenes whose evaluation once said nothing, or something wrong.
+add_test(NAME odd_evaluations COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_odd_evaluations.sh)
+set_tests_properties(odd_evaluations PROPERTIES LABELS pipeline TIMEOUT 120 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")

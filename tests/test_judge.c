@@ -3,10 +3,13 @@
 #include "sim_fixture.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "sim/look/at_rest.h"
 #include "sim/look/measure.h"
+#include "sim/look/stage_watch.h"
 #include "sim/look/step_limit.h"
+#include "sim/look/strain_limit.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
 
@@ -99,12 +102,105 @@ static void the_ledger_names_a_change_of_material(void **unused)
     fixture_close(&fixture);
 }
 
+/* One disc in a box at rest in x: a strain e in z makes its solid fraction phi/(1 - e), and a disc bears
+ * 1/(1 - 0.3/2)^2 = 1.384. */
+static void a_strain_leaves_room(void **unused)
+{
+    struct fixture_options options = {.dimension = 2, .count = 1, .dt_s = 1e-6, .material = "kn_n_per_m = 1e5;"};
+    (void)unused;
+    struct fixture fixture = fixture_open(&options);
+    struct scene_axis *axis = &fixture.scene->stage[0].axis[AXIS_Z];
+    const double box = sample_box_length_m(fixture.sample, 0) * sample_box_length_m(fixture.sample, 1);
+    const double bears = strain_limit_solid_fraction(2, 0.3);
+    const double most = 1 - 3.14159265358979323846 * RADIUS * RADIUS / (bears * box);
+    assert_true(fabs(bears / 1.3840830449826989 - 1) < 1e-12);
+    axis->mode = WALL_STRAIN;
+    axis->course = COURSE_SMOOTH;
+    axis->frequency_hz = 1;
+    axis->strain = most - 1e-6;
+    must(strain_limit_check(fixture.sample, 0));
+    axis->strain = most + 1e-6;
+    assert_int_equal(strain_limit_check(fixture.sample, 0), STATUS_CONFIG);
+    fixture.scene->stage[0].axis[AXIS_X].mode = WALL_STRESS; /* gives way */
+    must(strain_limit_check(fixture.sample, 0));
+    fixture.scene->stage[0].axis[AXIS_X].mode = WALL_FIXED;
+    axis->until_strain = (struct config_band){.count = 1, .value = {0.1}}; /* may end sooner */
+    must(strain_limit_check(fixture.sample, 0));
+    fixture_close(&fixture);
+}
+
+/* Walls in z that are led away from a particle that they touched; walls in x that both move the same way. */
+static void the_watch_sees_walls_that_leave_and_a_box_that_drifts(void **unused)
+{
+    struct fixture_options options = {.dimension = 2, .count = 1, .dt_s = 1e-6, .material = "kn_n_per_m = 1e5;"};
+    struct stage_watch watch;
+    (void)unused;
+    struct fixture fixture = fixture_open(&options);
+    struct sample *sample = fixture.sample;
+    fixture_start(&fixture);
+    struct scene_axis *axis = fixture.scene->stage[0].axis;
+    const double length = sample_box_length_m(sample, 0);
+    axis[AXIS_Z].mode = WALL_STRAIN;
+    axis[AXIS_X].mode = WALL_STRESS;
+    axis[AXIS_X].opposite = OPPOSITE_CONSTANT;
+    stage_watch_start(&watch);
+    must(stage_watch_look(&watch, sample));
+    assert_true(watch.left[1] == 0 && watch.drift[0] == 0); /* not touched so far */
+    sample->walls[2].touching = 1;
+    must(stage_watch_look(&watch, sample));
+    sample->walls[2].touching = 0;
+    sample->walls[0].x += 0.1 * length;
+    sample->walls[1].x += 0.1 * length;
+    must(stage_watch_look(&watch, sample));
+    must(stage_watch_look(&watch, sample));
+    assert_true(watch.left[1] == 2 && watch.left[0] == 0);
+    assert_true(fabs(watch.drift[0] - 0.1) < 1e-12 && watch.drift[1] == 0);
+    fixture_close(&fixture);
+}
+
+/* Nothing in its way: x0 + v t. A step's way is rounded to float in mixed precision, 6e-8 of it, and to double
+ * otherwise. */
+static void fly(const char *precision, double skin_ratio, double part)
+{
+    char text[1024];
+    snprintf(text, sizeof text,
+             "dimension = 2; seed = 3; precision = \"%s\"; neighbor = { skin_ratio = %g; };\n"
+             "sample = { count = 1; radius_min_m = 1e-3; radius_max_m = 1e-3; density_kg_per_m3 = 2000.0; "
+             "speed_m_per_s = 10.0; gap_ratio = 100.0; };\n"
+             "material = { kn_n_per_m = 1e5; };\nstages = ( { name = \"fly\"; dt_s = 1e-6; duration_s = 1.0; } );\n",
+             precision, skin_ratio);
+    struct fixture fixture = fixture_from_text(text);
+    struct particles *p = &fixture.sample->particles;
+    const double start[] = {p->x[0][0], p->x[1][0]}, v[] = {p->v[0][0], p->v[1][0]}, time_s = 500e-6;
+    fixture_start(&fixture);
+    fixture_steps(&fixture, 500);
+    (void)sample_complete(fixture.sample);
+    for (int c = 0; c < 2; c++) {
+        assert_true(fabs(v[c]) > 0.1 && fabs(p->v[c][0] - v[c]) <= part * fabs(v[c]));
+        assert_true(fabs(p->x[c][0] - start[c] - v[c] * time_s) < part * fabs(v[c]) * time_s);
+    }
+    fixture_close(&fixture);
+}
+
+static void free_flight_is_straight(void **unused)
+{
+    static const double skins[] = {0, 0.02, 1};
+    (void)unused;
+    for (int k = 0; k < 3; k++) {
+        fly("double", skins[k], 500 * 0x1p-52 * 20); /* positions are up to 20 times the way */
+        fly("mixed", skins[k], 0x1p-24);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_stable_step_is_where_a_contact_starts_to_grow),
         cmocka_unit_test(the_limit_of_one_size_is_the_closed_form),
         cmocka_unit_test(the_ledger_names_a_change_of_material),
+        cmocka_unit_test(a_strain_leaves_room),
+        cmocka_unit_test(free_flight_is_straight),
+        cmocka_unit_test(the_watch_sees_walls_that_leave_and_a_box_that_drifts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

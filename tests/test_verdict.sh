@@ -70,6 +70,33 @@ run 'too soft at 1e5' 10 too-soft --set walls.x.pressure_pa=$p --set walls.y.pre
 texts=()
 run 'soft but allowed' 0 damped-biaxial --set limits.overlap_ratio=2.0 --set stages.1.walls.z.strain=0.1
 
+# The box is known when the test begins: 0.95 of it away leaves no room, and nothing gives way.
+texts=('stage "test": walls.z.strain = 0.95 would make the box smaller than the particles bear')
+run 'no room' 3 damped-biaxial --set stages.1.walls.x.mode=fixed --set stages.1.walls.z.strain=0.95
+texts=('stage "confine": walls.z.strain = 0.95 would make')
+run 'no room, check' 3 damped-biaxial --set stages.0.walls.x.mode=fixed --set stages.0.walls.z.mode=strain \
+    --set stages.0.walls.z.strain=0.95 --set stages.0.walls.z.frequency_hz=50.0 --check
+
+# What is recorded, and how long a stage may last, changes neither the end of a stage nor a bit of the state.
+texts=('confine: ended by rest after 0.0028')
+first=''
+for how in duration_s=2e-2 duration_s=8e-2 duration_s=1.0 sample_interval_s=1e-5 sample_interval_s=1e-3; do
+    run "rest, $how" 0 damped-biaxial --set stages.0.until_energy_ratio=1e-2 --set "stages.0.$how" \
+        --lcm "file://$work/$how.lcm?mode=w"
+    hash=$(sed -n 's/.* hash //p' <<<"$said")
+    [[ ${#hash} -eq 16 && ($hash == "${first:-$hash}") ]] || fail "rest, $how: another end, $hash"
+    first=$hash
+done
+
+# 1.07e-6 kg at 300 m/s against its like: 2 v sqrt(m/2k)/a = 2.8 radii.
+texts=('particles so fast that a contact would overlap by' 'verdict: doubtful')
+run fast 12 free-flight --set sample.speed_m_per_s=1000.0 --set stages.0.duration_s=2e-5
+texts=('the walls in z touch nothing any more')
+texts+=('the sample has come apart: its contacts hold')
+run 'led away' 0 pulled-apart --set stages.1.walls.x.mode=strain --set stages.1.walls.x.strain=-0.3 \
+    --set stages.1.walls.x.frequency_hz=20.0 --set stages.1.walls.z.mode=strain --set stages.1.walls.z.strain=-0.3 \
+    --set stages.1.walls.z.frequency_hz=20.0
+
 texts=('the walls in x pull (pressure_pa is negative)')
 run 'pulled apart' 10 pulled-apart
 number_within 'the box is' 1 2.1
@@ -84,6 +111,8 @@ number_within 'unbalanced force' 0.1 1
 number_within 'E_kin\/E_el' 0.1 2
 texts=()
 run 'friction switched on' 0 friction-switched-on
+number_within 'ledger residual' -1e-2 1e-2
+run 'friction switched on, damped' 0 friction-switched-on --set stages.1.material.gamma_t_kg_per_s=0.02
 number_within 'ledger residual' -1e-2 1e-2
 
 texts=('precision "mixed" holds steps of at most the skin of the lists' 'neighbor.skin_ratio')

@@ -25,14 +25,14 @@ enum status contact_list_reserve(struct contact_list *list, int capacity, int di
 void contact_list_carry(struct contact_list *to, int t, const struct contact_list *from, int f)
 {
     for (int c = 0; c < HISTORY_COLUMNS; c++)
-        if (history_has(&to->model, c))
+        if (to->history[c]) /* those that its model has */
             to->history[c][t] = from->history[c][f];
 }
 
 void contact_list_clear(struct contact_list *to, int t)
 {
     for (int c = 0; c < HISTORY_COLUMNS; c++)
-        if (history_has(&to->model, c))
+        if (to->history[c])
             to->history[c][t] = 0;
 }
 

@@ -6,8 +6,6 @@
 #include "sim/look/measure.h"
 #include "wallctl/law.h"
 
-/* Looks in a row at a pulling wall without contacts that are too many: one may fall between two contacts. */
-enum { PULLS_MAX = 4 };
 /* A box that a stress-controlled wall has opened to this many times the length at the start of the stage holds nothing
  * that would stop it; of walls that pull, and of others, which may start with fast particles. */
 static const double PULLED = 2, GROWN = 4;
@@ -97,7 +95,7 @@ static enum status opening_look(struct stage_watch *watch, const struct sample *
         const bool pulls = wall_target_pressure_pa(axis, t) < 0;
         const bool alone = pulls && !touches(sample, c);
         watch->pulled_on_nothing[c] = alone ? watch->pulled_on_nothing[c] + 1 : 0;
-        if (watch->pulled_on_nothing[c] > PULLS_MAX)
+        if (watch->pulled_on_nothing[c] > STAGE_WATCH_ALONE_MAX)
             return opened(sample, c, "pull (pressure_pa is negative) and touch nothing");
         if (sample_box_length_m(sample, c) > (pulls ? PULLED : GROWN) * start)
             return opened(sample, c,
@@ -105,6 +103,22 @@ static enum status opening_look(struct stage_watch *watch, const struct sample *
                                 : "have run apart: the pressure does not hold the sample together");
     }
     return STATUS_OK;
+}
+
+/* Walls that strains lead away from the sample; walls that both follow pressures, which may carry it off. */
+static void place_look(struct stage_watch *watch, const struct sample *sample)
+{
+    const double *start = sample->stage_position_m;
+    for (int c = 0; c < sample->particles.dimension; c++) {
+        const struct scene_axis *axis = &sample->scene->stage[sample->stage].axis[sample_axis(sample, c)];
+        const struct wall *lo = &sample->walls[2 * c], *hi = lo + 1;
+        const bool touching = touches(sample, c);
+        watch->touched[c] = touching || watch->touched[c] > 0;
+        watch->left[c] = axis->mode == WALL_STRAIN && watch->touched[c] > 0 && !touching ? watch->left[c] + 1 : 0;
+        if (axis->mode == WALL_STRESS && axis->opposite == OPPOSITE_CONSTANT)
+            watch->drift[c] =
+                0.5 * (lo->x + hi->x - start[2 * c] - start[2 * c + 1]) / (start[2 * c + 1] - start[2 * c]);
+    }
 }
 
 enum status stage_watch_look(struct stage_watch *watch, struct sample *sample)
@@ -115,6 +129,7 @@ enum status stage_watch_look(struct stage_watch *watch, struct sample *sample)
     watch->inertial_max = fmax(watch->inertial_max, inertial);
     watch->fastest_ratio = fmax(watch->fastest_ratio, overlaps_of_fastest(sample));
     stress_look(watch, sample);
+    place_look(watch, sample);
     TRY(overlap_look(watch, sample));
     return opening_look(watch, sample);
 }

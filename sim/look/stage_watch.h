@@ -17,11 +17,16 @@ struct stage_watch {
     double error_sum[3], error_max[3];  /* stress control: |stress - target| over the target */
     double target_pa[3];                /* the last one */
     double pulled_on_nothing[3];        /* looks in a row at a wall that pulls and touches nothing */
-    double overlap_noted, fastest_noted;
+    double touched[3], left[3];         /* of walls led by strains: they have touched something; looks in a row since */
+    double drift[3];                    /* of the middle of the box since the stage began, over its length then */
+    double overlap_noted, fastest_noted, left_noted[3], drift_noted;
 };
 
 /* Forgets all: a stage begins. */
 void stage_watch_start(struct stage_watch *watch);
+
+/* Looks in a row at a wall without contacts that are too many: one may fall between two contacts. */
+enum { STAGE_WATCH_ALONE_MAX = 4 };
 
 /* A look at the sample as it is; its last step need not be complete. STATUS_UNSTABLE, with what was seen, when the
  * model does not hold any more: an overlap beyond limits.overlap_ratio, a wall that pulls on nothing, a box that has

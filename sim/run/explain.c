@@ -6,6 +6,7 @@
 
 #include "common/time_step.h"
 #include "sim/look/step_limit.h"
+#include "sim/look/strain_limit.h"
 #include "sim/run/explain_scales.h"
 #include "sim/run/sample_source.h"
 
@@ -99,6 +100,8 @@ enum status explain_check(const struct scene *scene)
         return STATUS_OK;
     TRY(sample_from_scene(&sample, scene));
     enum status status = step_limit_check(sample);
+    if (status == STATUS_OK)
+        status = strain_limit_check(sample, 0);
     sample_free(sample);
     return status;
 }

@@ -164,7 +164,7 @@ enum status run_scene(const struct scene *scene, const struct run_options *optio
     record_stream_free(run.stream);
     if (run.bus.lcm || run.bus.log)
         bus_close(&run.bus);
-    if (options->progress)
+    if (options->progress && run.start_s > 0)
         fprintf(stderr,
                 "sim: %" PRId64 " steps, %.3f s, %.2f us per step, %" PRId64
                 " list builds, %d candidates, hash %016" PRIx64 "\n",

@@ -8,6 +8,8 @@
 #include "sim/look/at_rest.h"
 #include "sim/look/measure.h"
 #include "sim/look/step_limit.h"
+#include "sim/look/strain_limit.h"
+#include "sim/sample/energy.h"
 #include "sim/sample/step_completion.h"
 
 /* Contacts shorter than this many steps are coarse; a sample is at rest below these figures; overlaps beyond this part
@@ -15,6 +17,10 @@
 static const double COARSE_STEPS = 6, REST_ENERGY = 1e-3, REST_FORCE = 1e-2, WIDE_OVERLAP = 0.05, OPEN_LEDGER = 0.01;
 /* An overlap of both radii is a particle that comes out on the other side; half of it is near enough. */
 static const double PASSING = 1;
+/* A box that has moved by this part of its length carries the sample along. */
+static const double DRIFTING = 0.5;
+/* A sample whose contacts hold less than this part of their energy bears a thousandth of its stress. */
+static const double LOOSE = 1e-6;
 
 enum { TEXT_MAX = 400 };
 
@@ -64,22 +70,33 @@ enum status run_judge_before(struct run *run)
     if (run->options->replay)
         return STATUS_OK;
     TRY(step_limit_check(run->sample));
+    if (!run->resumed)
+        TRY(strain_limit_check(run->sample, 0));
     for (int s = 0; s < run->scene->n_stages && !run->resumed; s++)
         TRY(note_step(run, &run->scene->stage[s]));
     return STATUS_OK;
 }
 
-enum status run_judge_stage_start(struct run *run)
+static enum status note_places(struct run *run)
 {
-    stage_watch_start(&run->judge.watch);
-    if (run->sample->stage == 0)
-        return STATUS_OK; /* of a packing that was just made there is nothing to say */
-    const struct rest_figures rest = rest_figures_of(sample_complete(run->sample));
-    if (rest.contacts == 0)
-        return add_note(run, NOTE_PLAIN, "starts with nothing touching");
-    const bool at_rest = rest.energy_ratio < REST_ENERGY && rest.unbalanced_force < REST_FORCE;
-    return add_note(run, NOTE_PLAIN, "starts %s: unbalanced force %.2g of the mean contact force, E_kin/E_el %.2g",
-                    at_rest ? "at rest" : "NOT at rest", rest.unbalanced_force, rest.energy_ratio);
+    struct stage_watch *watch = &run->judge.watch;
+    for (int c = 0; c < run->sample->particles.dimension; c++) {
+        const char name = "xyz"[sample_axis(run->sample, c)];
+        if (watch->left[c] > STAGE_WATCH_ALONE_MAX && !(watch->left_noted[c] > 0)) {
+            watch->left_noted[c] = 1;
+            TRY(add_note(run, NOTE_PLAIN,
+                         "the walls in %c touch nothing any more (step %lld): their strain leads them away", name,
+                         (long long)run->sample->step));
+        }
+        if (fabs(watch->drift[c]) > DRIFTING && !(watch->drift_noted > 0)) {
+            watch->drift_noted = 1;
+            TRY(add_note(run, NOTE_PLAIN,
+                         "the sample drifts: its box has moved by %.2g of its length in %c (step %lld); opposite = "
+                         "\"mirror\" or \"fixed\" would hold it",
+                         watch->drift[c], name, (long long)run->sample->step));
+        }
+    }
+    return STATUS_OK;
 }
 
 static enum status note_extremes(struct run *run)
@@ -97,7 +114,26 @@ static enum status note_extremes(struct run *run)
                      "other; slower ones or stiffer contacts would help",
                      judge->watch.fastest_ratio));
     }
-    return STATUS_OK;
+    return note_places(run);
+}
+
+enum status run_judge_stage_start(struct run *run)
+{
+    struct stage_watch *watch = &run->judge.watch;
+    stage_watch_start(watch);
+    if (run->options->replay)
+        return STATUS_OK;
+    TRY(strain_limit_check(run->sample, run->sample->stage)); /* the box was not known before */
+    watch->fastest_ratio = overlaps_of_fastest(run->sample);
+    TRY(note_extremes(run));
+    if (run->sample->stage == 0)
+        return STATUS_OK; /* of a packing that was just made there is nothing to say */
+    const struct rest_figures rest = rest_figures_of(sample_complete(run->sample));
+    if (rest.contacts == 0)
+        return add_note(run, NOTE_PLAIN, "starts with nothing touching");
+    const bool at_rest = rest.energy_ratio < REST_ENERGY && rest.unbalanced_force < REST_FORCE;
+    return add_note(run, NOTE_PLAIN, "starts %s: unbalanced force %.2g of the mean contact force, E_kin/E_el %.2g",
+                    at_rest ? "at rest" : "NOT at rest", rest.unbalanced_force, rest.energy_ratio);
 }
 
 enum status run_judge_step(struct run *run)
@@ -124,18 +160,19 @@ static void stress_text(const struct run *run, char *text, size_t size)
     }
 }
 
-/* A loss below zero is energy out of nothing. */
+/* A loss below zero is energy out of nothing. How a spring that slides shares its loss with its dashpot is a convention
+ * (docs/theory.md): what counts is their sum. */
 static enum status judge_losses(struct run *run, double turnover_j)
 {
-    const struct ledger *ledger = &run->sample->ledger;
+    const struct contact_losses *lost = &run->sample->ledger.contacts;
     const struct {
         const char *name;
         double loss_j;
-    } terms[] = {{"hysteresis", ledger->contacts.hysteresis},
-                 {"viscous normal forces", ledger->contacts.viscous_normal},
-                 {"viscous tangential forces", ledger->contacts.viscous_tangential},
-                 {"friction", ledger->contacts.friction},
-                 {"background damping", ledger->background}};
+    } terms[] = {{"hysteresis", lost->hysteresis},
+                 {"viscous normal forces", lost->viscous_normal},
+                 {"tangential forces", lost->friction + lost->viscous_tangential + lost->stiffness},
+                 {"rolling resistance", lost->rolling + lost->viscous_rolling},
+                 {"background damping", run->sample->ledger.background}};
     for (size_t k = 0; k < sizeof terms / sizeof *terms; k++)
         if (terms[k].loss_j < -OPEN_LEDGER * turnover_j)
             TRY(add_note(run, NOTE_DOUBTFUL, "%s gained %.2g J, %.2g %% of the energy that passed: dt_s is too long",
@@ -169,6 +206,11 @@ enum status run_judge_stage_end(struct run *run, int ended)
     TRY(measure(whole, &m));
     stress_text(run, stress, sizeof stress);
     const struct stage_watch *watch = &run->judge.watch;
+    const double held_start_j = run->sample->ledger.elastic_start, held_j = energy_held(whole).elastic_j;
+    if (held_j < LOOSE * held_start_j)
+        TRY(add_note(run, NOTE_PLAIN,
+                     "the sample has come apart: its contacts hold %.2g of the elastic energy of the start",
+                     held_j / held_start_j));
     const double turnover_j = measure_turnover_j(run->sample, &m);
     TRY(add_note(
         run, NOTE_PLAIN,

@@ -41,7 +41,7 @@ static void NAME(contact_at)(const struct sample *sample, int l, int k, const st
 #endif
     for (int c = 0; c < HISTORY_COLUMNS; c++) {
         history[c] = &values[c];
-        if (history_has(&list->model, c) && !history_field(c)->rest)
+        if (list->history[c] && !history_field(c)->rest)
             values[c] = contact_list_value(list, c, k);
     }
 #if FRICTIONAL
