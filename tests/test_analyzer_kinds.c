@@ -180,6 +180,36 @@ static void isotropic(void **state)
     run_free(&run);
 }
 
+/* Strains are those of lengths and of the volume at any strain, to rounding: axially a quarter shorter, wider by 1.1
+ * and 1.2. The sum of axial strains would be -0.05; the volume is 0.99 of what it was. */
+static void strains_of_the_box(void **state)
+{
+    struct quantity q[QUANTITIES];
+    struct curves curves;
+    struct run run;
+    (void)state;
+    fixture_run(&run, STAGE(STRESS("100.0"), STRESS("100.0"), STRAIN("0.25")), N);
+    for (size_t i = 0; i < N; i++) {
+        const double share = (double)i / (N - 1), sigma = 100 + 200 * share;
+        record(&run, i, (const double[]){-log(1 + 0.1 * share), -log(1 + 0.2 * share), -log(1 - 0.25 * share)},
+               (const double[]){100, 100, sigma});
+    }
+    extracted(&run, &curves, q);
+    for (size_t i = 0; i < N; i += N - 1) {
+        const double share = (double)i / (N - 1), z = 1 - 0.25 * share, x = 1 + 0.1 * share, y = 1 + 0.2 * share;
+        const double lateral = 1 - 0.5 * (x + y), rounding = 1e-14;
+        assert_near(curves.column[CURVE_EPS_ZZ][i], 1 - z, rounding);
+        assert_near(curves.column[CURVE_EPS_XX][i], lateral, rounding);
+        assert_near(curves.column[CURVE_EPS_V][i], 1 - x * y * z, rounding);
+        assert_near(curves.column[CURVE_EPS_D][i], 1 - z - lateral, rounding);
+        assert_near(curves.column[CURVE_EPS_ZZ_LOG][i], -log(z), rounding);
+        assert_near(curves.column[CURVE_EPS_XX_LOG][i], -0.5 * log(x * y), rounding);
+        assert_near(curves.column[CURVE_EPS_V_LOG][i], -log(x * y * z), rounding);
+    }
+    curves_free(&curves);
+    run_free(&run);
+}
+
 /* e = e1 - Cc log10(p/100) with Cc = 0.3 in loading, Cs = 0.05 in unloading: recovered to rounding. */
 static void indices(void **state)
 {
@@ -395,6 +425,7 @@ int main(void)
         cmocka_unit_test(kinds),
         cmocka_unit_test(isotropic),
         cmocka_unit_test(indices),
+        cmocka_unit_test(strains_of_the_box),
         cmocka_unit_test(oedometer),
         cmocka_unit_test(extension),
         cmocka_unit_test(constant_volume),
