@@ -30,7 +30,8 @@ double time_step_force_n(const struct scene *scene, const struct scene_stage *st
     return 4 * pressure_pa * (scene->dimension == 2 ? d : d * d);
 }
 
-/* The linear law that is as stiff and as damped (docs/theory.md). */
+/* The linear law that is as stiff and as damped (docs/theory.md), with all that stands beside the law: rolling and
+ * torsion. */
 static struct scene_material hertz_as_linear(const struct scene_sample *s, const struct scene_material *m,
                                              double force_n)
 {
@@ -39,8 +40,9 @@ static struct scene_material hertz_as_linear(const struct scene_sample *s, const
     const double shear = m->youngs_modulus_pa / (4 * (2 - nu) * (1 + nu));
     const double contact = force_n > 0 ? cbrt(0.75 * force_n * r / modulus) : sqrt(1e-3 * r * s->mean_radius_m);
     const double reduced_kg = 0.5 * sphere_mass_kg(s->density_kg_per_m3, s->mean_cube_m3);
-    struct scene_material linear = {
-        .mu_s = m->mu_s, .kn_n_per_m = 2 * modulus * contact, .kt_n_per_m = 8 * shear * contact};
+    struct scene_material linear = *m;
+    linear.kn_n_per_m = 2 * modulus * contact;
+    linear.kt_n_per_m = 8 * shear * contact;
     linear.gamma_n_kg_per_s =
         2 * sqrt(5.0 / 6) * -log_e / sqrt(PI * PI + log_e * log_e) * sqrt(linear.kn_n_per_m * reduced_kg);
     linear.gamma_t_kg_per_s = linear.gamma_n_kg_per_s * sqrt(linear.kt_n_per_m / linear.kn_n_per_m);

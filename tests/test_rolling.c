@@ -6,7 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/time_step.h"
 #include "sim/look/measure.h"
+#include "sim/look/step_limit.h"
 #include "sim/sample/energy.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
@@ -295,6 +297,54 @@ static void ledger_of_impacts(void **state)
         }
 }
 
+/* The largest spin about the vertical, over that at first, of a top on a floor whose torsion spring is what is stiffest
+ * there is: I omega' = -a'^2 k_o theta with a' = a. */
+static double largest_twist(const char *law, double dt)
+{
+    char material[256];
+    snprintf(material, sizeof material, "%s mu_s = 0.5; mu_torsion = 100; ko_n_per_m = 1e7;", law);
+    struct fixture f = on_floor(3, dt, material, "", 0);
+    struct particles *p = &f.sample->particles;
+    const double start = 1e-5;
+    double largest = 0;
+    p->omega[2][0] = start;
+    time_step_forces_anew(f.sample);
+    for (int k = 0; k < 2000 && largest < 1e3; k++) {
+        fixture_steps(&f, 1);
+        largest = fmax(largest, fabs(p->omega[2][0]) / start);
+    }
+    fixture_close(&f);
+    return largest;
+}
+
+/* omega^2 = k_o a^2/I = 2.5 k_o/m: a step of 0.98 times 2/omega keeps the swing (the discrete one of a step that long
+ * is at most 1/sqrt(1 - 0.98^2) = 5 times as wide), one of 1.02 times lets it grow. In a packing, with twice the
+ * contacts on half the mass, it is half of that; `dt_s` that is longer is refused, and "auto" is a third, with every
+ * law. */
+static void stiffest_spring_of_torsion_limits_the_step(void **state)
+{
+    static const char *const normal[] = {"kn_n_per_m = 1e5; kt_n_per_m = 1e4;",
+                                         "law = \"hertz\"; youngs_modulus_pa = 1e8; poisson_ratio = 0.25;"};
+    const double bound = 2 / sqrt(2.5 * 1e7 / mass_of(A));
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        char material[256];
+        snprintf(material, sizeof material, "%s mu_s = 0.5; mu_torsion = 100; ko_n_per_m = 1e7;", normal[k]);
+        const double below = largest_twist(normal[k], 0.98 * bound), above = largest_twist(normal[k], 1.02 * bound);
+        print_message("%s: %.3g below, %.3g above\n", normal[k], below, above);
+        assert_true(below < 6 && above > 60); /* until it slips */
+        struct fixture f = open_with(3, 1, bound, material, "");
+        const struct step_limit limit = step_limit_of(f.sample, &f.scene->stage[0]);
+        assert_true(limit.tangential);
+        assert_close("packing", limit.stable_s / bound, 0.5, 1e-2); /* k_t, a hundredth, counts too */
+        assert_int_equal(step_limit_check(f.sample), STATUS_CONFIG);
+        f.scene->stage[0].dt_s = time_step_of_stage_s(f.scene, &f.scene->stage[0]);
+        assert_close("auto", f.scene->stage[0].dt_s / bound, 0.5 / 3, 5e-3);
+        must(step_limit_check(f.sample));
+        fixture_close(&f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -305,6 +355,7 @@ int main(void)
         cmocka_unit_test(order_in_time),
         cmocka_unit_test(one_body_stores_nothing),
         cmocka_unit_test(ledger_of_impacts),
+        cmocka_unit_test(stiffest_spring_of_torsion_limits_the_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

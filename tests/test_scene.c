@@ -98,6 +98,35 @@ static void a_time_step_follows_from_the_scene(void **unused)
     dispose(wide);
 }
 
+/* A stiff rolling spring is what bears the shortest step, whatever the normal law: radius 1 mm, m = 8.378e-6 kg,
+ * k_r = 1e9 N/m. Along a line a packing has 2 contacts on m/2, and a spring at the lever of the radius acts on 2/5 of
+ * the mass: omega^2 = 2.5 * 4 k_r/m (kt, 5e3 times as soft, at 3.5), and a third of 2/omega is 1.929e-8 s. */
+static void stiff_rolling_shortens_the_time_step(void **unused)
+{
+    static const char *const laws[] = {"law = \"linear\"; kn_n_per_m = 1e5; kt_n_per_m = 2e5;",
+                                       "law = \"hertz\"; youngs_modulus_pa = 1e8; poisson_ratio = 0.25;"};
+    (void)unused;
+    for (int k = 0; k < 2; k++)
+        for (int torsion = 0; torsion < 2; torsion++) {
+            char text[1024];
+            double step_s[2];
+            for (int on = 0; on < 2; on++) {
+                snprintf(text, sizeof text,
+                         "dimension = 3; sample = { count = 1; radius_min_m = 1e-3; radius_max_m = 1e-3; "
+                         "density_kg_per_m3 = 2000; };\n"
+                         "material = { %s mu_s = 0.3; %s = %g; %s = 1e9; };\n"
+                         "stages = ( { name = \"a\"; duration_s = 1e-3; } );",
+                         laws[k], torsion ? "mu_torsion" : "mu_rolling", on ? 0.1 : 0.0,
+                         torsion ? "ko_n_per_m" : "kr_n_per_m");
+                struct scene *scene = parsed(text);
+                step_s[on] = scene->stage[0].dt_s;
+                dispose(scene);
+            }
+            assert_true(step_s[0] > 5e-7); /* it does not count where nothing resists */
+            assert_true(fabs(step_s[1] / 1.929e-8 - 1) < 1e-3);
+        }
+}
+
 static void groups_are_repeated(void **unused)
 {
     static const char *const names[] = {"start", "up.1", "down.1", "up.2", "down.2", "up.3", "down.3", "end"};
@@ -132,6 +161,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_are_taken_exactly),
         cmocka_unit_test(a_time_step_follows_from_the_scene),
+        cmocka_unit_test(stiff_rolling_shortens_the_time_step),
         cmocka_unit_test(groups_are_repeated),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
