@@ -91,7 +91,8 @@ static enum status series_report(struct ensemble *ensemble, const struct command
     TRY(series_liquefaction_write(ensemble, options->out, &liquefied));
     if (liquefied)
         TRY(plots_run(options->out, "liquefaction"));
-    printf("results: %s/series.csv%s\n", options->out, curves > 0 ? ", series.svg" : "");
+    printf("results: %s/series.csv%s%s\n", options->out, curves > 0 ? ", series.svg" : "",
+           liquefied ? ", liquefaction.svg" : "");
     return STATUS_OK;
 }
 
