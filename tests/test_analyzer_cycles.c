@@ -79,6 +79,7 @@ static void loop(void **state)
         /* peaks of the ellipse fall on samples: 200 Pa over e, and over 2 x 1.3 e */
         assert_near(cycles.cycle[k].secant_e_pa, amplitude / strain, 1e-10 * amplitude / strain);
         assert_near(cycles.cycle[k].secant_g_pa, amplitude / strain / 2.6, 1e-10 * amplitude / strain);
+        assert_near(cycles.cycle[k].amplitude, lateral * strain, 1e-10 * strain);
     }
     assert_near(q[QUANTITY_CYCLES_LOOP_AREA].value, area, 1e-10 * area);
     assert_int_equal(cycles.verdict, VERDICT_SHAKEDOWN);

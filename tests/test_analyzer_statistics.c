@@ -138,13 +138,33 @@ static void eigenvalues(void **state)
     assert_near(v[1], 0.4, 1e-15);
 }
 
+/* The first that is not below. */
+static void lower_bound(void **state)
+{
+    const double x[] = {1, 2, 2, 3};
+    (void)state;
+    assert_int_equal(statistics_lower_bound(x, 4, 0), 0);
+    assert_int_equal(statistics_lower_bound(x, 4, 2), 1);
+    assert_int_equal(statistics_lower_bound(x, 4, 2.5), 3);
+    assert_int_equal(statistics_lower_bound(x, 4, 4), 4);
+}
+
+/* sin phi = (R - 1)/(R + 1), and its derivative 2/(R + 1)^2. */
+static void sine_of_a_ratio(void **state)
+{
+    (void)state;
+    const struct estimate sine = shear_sin_phi((struct estimate){3, 0.4});
+    assert_true(sine.value == 0.5 && sine.error == 0.4 * 2 / 16);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(student_cdf),        cmocka_unit_test(polynomial_exact),
         cmocka_unit_test(mean_over_abscissa), cmocka_unit_test(mean_error_of_correlated),
         cmocka_unit_test(plain_mean),         cmocka_unit_test(soil_mechanics),
-        cmocka_unit_test(eigenvalues),
+        cmocka_unit_test(eigenvalues),        cmocka_unit_test(lower_bound),
+        cmocka_unit_test(sine_of_a_ratio),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

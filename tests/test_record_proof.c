@@ -13,6 +13,7 @@
 #include "common/record_hash.h"
 #include "common/wire.h"
 #include "recorder/convert.h"
+#include "recorder/run_frames.h"
 #include "test_recorder_synthetic.h"
 
 enum { ENCODED_MAX = 8192 };
@@ -187,7 +188,8 @@ static void expect_another_record_found(int kind, bool checkpoint_first)
     bench_open(&bench, checkpoint_first);
     const struct synthetic_message *other = nth(&bench.run, kind, n);
     other->data[free_byte(other)] ^= 1;
-    for (size_t k = 0; status == STATUS_OK && k < bench.run.count; k++) {
+    const size_t proof = bench.run.count - (checkpoint_first ? 1 : 2); /* END, or the CHECKPOINT before it */
+    for (size_t k = 0; status == STATUS_OK && k <= proof; k++) {
         const struct synthetic_message *message = &bench.run.messages[k];
         status = recording_take(bench.recording, message->kind, message->data, message->size, &answer);
     }
@@ -271,6 +273,81 @@ static void early_ones_are_kept(void **state)
     bench_close(&bench);
 }
 
+/* The last chunk of a frame in the place of the second: of the right run and number, and of that frame. */
+static void chunks_come_in_their_order(void **state)
+{
+    enum { SEQ_END = 23 }; /* the last byte of seq in the header */
+    (void)state;
+    for (int kind = RECORD_FRAME_PARTICLES; kind <= RECORD_FRAME_CONTACTS; kind++) {
+        struct bench bench;
+        bench_open(&bench, false);
+        const int n = kind == RECORD_FRAME_CONTACTS ? 2 : 1; /* frame 0 has one chunk of no contacts */
+        const struct synthetic_message *second = nth(&bench.run, kind, n), *third = nth(&bench.run, kind, n + 1);
+        for (const struct synthetic_message *each = bench.run.messages; each < second; each++)
+            give(&bench, each);
+        third->data[SEQ_END]--;
+        give(&bench, third);
+        assert_int_equal(recording_drops(bench.recording)->malformed, 1);
+        third->data[SEQ_END]++;
+        give(&bench, second);
+        give(&bench, third);
+        assert_int_equal(recording_drops(bench.recording)->malformed, 1);
+        bench_close(&bench);
+    }
+}
+
+/* --- run.h5 as the export reads it --- */
+
+/* Puts `value` in the place of i (0) or j (1) of a contact. */
+static void pair_write(const char *path, hsize_t contact, hsize_t which, int value)
+{
+    const hsize_t at[2] = {contact, which}, one[2] = {1, 1};
+    const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+    const hid_t set = H5Dopen2(file, "/connectivity/contacts/pair", H5P_DEFAULT), space = H5Dget_space(set);
+    const hid_t memory = H5Screate_simple(2, one, NULL);
+    assert_true(H5Sselect_hyperslab(space, H5S_SELECT_SET, at, NULL, one, NULL) >= 0);
+    assert_true(H5Dwrite(set, H5T_NATIVE_INT, memory, space, H5P_DEFAULT, &value) >= 0);
+    assert_true(H5Sclose(memory) >= 0 && H5Sclose(space) >= 0 && H5Dclose(set) >= 0 && H5Fclose(file) >= 0);
+}
+
+static enum status frame_read(const char *path, int frame)
+{
+    struct run_frames run;
+    assert_int_equal(run_frames_open(&run, path), STATUS_OK);
+    const enum status status = run_frames_read(&run, frame);
+    for (int64_t k = 0; status == STATUS_OK && k < 3 * run.contacts.rows; k++)
+        assert_true(columns_find(&run.contacts, "force")->value[k] ==
+                    columns_find(&run.contacts, "normal_force")->value[k / 3] *
+                        columns_find(&run.contacts, "normal")->value[k]);
+    run_frames_close(&run);
+    return status;
+}
+
+/* Contacts are between particles that are there, or a particle and one of six walls (-1 ... -6). */
+static void contacts_have_two_ends(void **state)
+{
+    static const struct {
+        int which, value;
+        enum status status;
+    } cases[] = {{0, 250, STATUS_FORMAT}, {0, -1, STATUS_FORMAT}, {0, 249, STATUS_OK}, {1, 250, STATUS_FORMAT},
+                 {1, -7, STATUS_FORMAT},  {1, -6, STATUS_OK},     {1, 249, STATUS_OK}};
+    struct bench bench;
+    char path[96];
+    (void)state;
+    bench_open(&bench, false);
+    for (size_t k = 0; k < bench.run.count; k++)
+        give(&bench, &bench.run.messages[k]);
+    assert_int_equal(recording_finish(bench.recording), STATUS_OK);
+    snprintf(path, sizeof path, "%s/run.h5", bench.directory);
+    assert_int_equal(frame_read(path, 1), STATUS_OK);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        pair_write(path, 3, (hsize_t)cases[k].which, cases[k].value);
+        assert_int_equal(frame_read(path, 1), cases[k].status);
+        pair_write(path, 3, (hsize_t)cases[k].which, 7);
+    }
+    bench_close(&bench);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -281,6 +358,8 @@ int main(void)
         cmocka_unit_test(checkpoint_and_end_know_each_record),
         cmocka_unit_test(end_counts_what_is_there),
         cmocka_unit_test(early_ones_are_kept),
+        cmocka_unit_test(chunks_come_in_their_order),
+        cmocka_unit_test(contacts_have_two_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
