@@ -110,6 +110,51 @@ static void loop_with_drift(void **state)
     cycles_free(&cycles);
 }
 
+/* A deviator that is there all the time is no loss: a loop that drifts is closed along a straight line. */
+static void loop_on_a_deviator(void **state)
+{
+    (void)state;
+    struct accumulation law = {.a = 2e-5, .b = 1};
+    double area[2];
+    for (int k = 0; k < 2; k++) {
+        struct run run;
+        struct curves curves;
+        struct cycles cycles;
+        fixture_cyclic(&run, &(struct cyclic_model){12, PER_CYCLE, power, &law});
+        assert_int_equal(curves_extract(&curves, &run), STATUS_OK);
+        for (size_t n = 0; n < curves.n; n++)
+            curves.column[CURVE_SIGMA_D][n] += k * amplitude;
+        assert_int_equal(cycles_evaluate(&cycles, &curves), STATUS_OK);
+        area[k] = cycles.cycle[7].loop_area_j_per_m3;
+        cycles_free(&cycles);
+        curves_free(&curves);
+        run_free(&run);
+    }
+    /* two sums of 64 terms of the order of the area, and the amplitude times strains that are known to 1e-16 */
+    assert_near(area[1], area[0], 1e-12 * area[0] + 64 * amplitude * 1e-16);
+}
+
+/* Water that takes a tenth of the pressure in each cycle: so r_u at its end, and liquefied (0.95) in the tenth. */
+static void pressure_of_the_water(void **state)
+{
+    (void)state;
+    struct run run;
+    struct curves curves;
+    struct cycles cycles;
+    fixture_cyclic(&run, &(struct cyclic_model){12, PER_CYCLE, none, NULL});
+    assert_int_equal(curves_extract(&curves, &run), STATUS_OK);
+    const double p0 = curves.column[CURVE_P][0] = 500;
+    for (size_t n = 0; n < curves.n; n++)
+        curves.column[CURVE_U][n] = 0.1 * p0 * curves.column[CURVE_STAGE_TIME][n] / curves.controls.period_s;
+    assert_int_equal(cycles_evaluate(&cycles, &curves), STATUS_OK);
+    for (size_t k = 0; k < cycles.n; k++)
+        assert_near(cycles.cycle[k].r_u, 0.1 * (double)(k + 1), 1e-12); /* times are sums of at most 768 steps */
+    assert_int_equal(cycles.to_liquefaction, 10);
+    cycles_free(&cycles);
+    curves_free(&curves);
+    run_free(&run);
+}
+
 /* a N^b at the ends of the cycles is a straight line in double logarithm: recovered to rounding, 1e-16/1e-4 = 1e-12
  * times the slope's condition, 1e-9. The rate falls as N^(b-1), slower than 1/N: ratcheting. */
 static void accumulation_power_law(void **state)
@@ -223,8 +268,14 @@ static void sparse(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(loop),     cmocka_unit_test(loop_with_drift),   cmocka_unit_test(accumulation_power_law),
-        cmocka_unit_test(verdicts), cmocka_unit_test(verdicts_of_noise), cmocka_unit_test(practical_meaning),
+        cmocka_unit_test(loop),
+        cmocka_unit_test(loop_with_drift),
+        cmocka_unit_test(loop_on_a_deviator),
+        cmocka_unit_test(pressure_of_the_water),
+        cmocka_unit_test(accumulation_power_law),
+        cmocka_unit_test(verdicts),
+        cmocka_unit_test(verdicts_of_noise),
+        cmocka_unit_test(practical_meaning),
         cmocka_unit_test(sparse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

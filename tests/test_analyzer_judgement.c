@@ -53,6 +53,24 @@ static void sound(void **state)
     run_free(&run);
 }
 
+/* Work that is given back, as in cycles: the residual is measured by all that went in and out, 1 J in each of 100
+ * intervals, not by the sum, which is 0 at the end. */
+static void work_is_given_back(void **state)
+{
+    struct run run;
+    bool net = true;
+    (void)state;
+    model(&run);
+    set_all(&run, OBSERVABLE_WORK_GRAVITY, 0);
+    set_all(&run, OBSERVABLE_ENERGY_RESIDUAL, -0.5);
+    const size_t n = 101;
+    for (size_t k = 0; k < n; k++)
+        fixture_set(&run, OBSERVABLE_WORK_WALLS, k, 0, (double)(k % 2));
+    assert_true(judgement_residual(&run, OBSERVABLE_ENERGY_RESIDUAL, 0, n, &net) == 0.5 / 100);
+    assert_false(net);
+    run_free(&run);
+}
+
 /* Each bound from both sides. */
 static void bounds(void **state)
 {
@@ -219,6 +237,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sound),
+        cmocka_unit_test(work_is_given_back),
         cmocka_unit_test(bounds),
         cmocka_unit_test(off_target),
         cmocka_unit_test(violent_preparation),

@@ -292,6 +292,29 @@ static void extension(void **state)
     run_free(&run);
 }
 
+/* Compression that starts at a deviator of 50 Pa: secants begin there. */
+static void secant_from_a_deviator(void **state)
+{
+    struct quantity q[QUANTITIES];
+    struct stiffness stiffness;
+    struct curves curves;
+    struct run run;
+    (void)state;
+    fixture_run(&run, STAGE(STRESS("100.0"), STRESS("100.0"), STRAIN("0.02")), N);
+    run.scene->analysis.strain = STRAIN_LOGARITHMIC;
+    for (size_t i = 0; i < N; i++) {
+        const double eps = 0.02 * (double)i / (N - 1);
+        record(&run, i, (const double[]){-0.2 * eps, -0.2 * eps, eps}, (const double[]){100, 100, 150 + 2000 * eps});
+    }
+    extracted(&run, &curves, q);
+    assert_int_equal(shear_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
+    assert_true(stiffness.n > 2);
+    for (int k = 0; k < (int)stiffness.n; k++)
+        assert_near(stiffness.row[k].secant_pa, 2000, 2000 * 1e-6); /* a straight line: exact but for rounding */
+    curves_free(&curves);
+    run_free(&run);
+}
+
 /* p falls from 100 to 40 at eps = 0.01 along a parabola, and rises to 100 at 0.02; q = 60 (1 - e^(-eps/0.002)). 2G is
  * dq/d(1.5 eps). Means over 9 samples around the least: the parabola's 0.6 (4/200)^2 x 2/3... below 0.02 Pa. */
 static void constant_volume(void **state)
@@ -428,6 +451,7 @@ int main(void)
         cmocka_unit_test(strains_of_the_box),
         cmocka_unit_test(oedometer),
         cmocka_unit_test(extension),
+        cmocka_unit_test(secant_from_a_deviator),
         cmocka_unit_test(constant_volume),
         cmocka_unit_test(held),
         cmocka_unit_test(liquefied_within_a_cycle),
