@@ -134,17 +134,26 @@ void particles_start_rows(struct particles *p, int row, int count)
     pad_row(p, row + count - 1);
 }
 
+/* Another core may have what is read: records and sums are asked for so many turns before. Who adds does not write to
+ * the copies: their lines stay with the core that does. */
+enum { COPIES_AHEAD = 24 };
+
 static inline __attribute__((always_inline)) void copy_records(void *records, const size_t bytes, int to,
                                                                const int32_t *of, int count)
 {
     char *record = records;
-    for (int k = 0; k < count; k++)
+    for (int k = 0; k < count; k++) {
+        if (k + COPIES_AHEAD < count)
+            __builtin_prefetch(record + bytes * (size_t)of[k + COPIES_AHEAD]);
         memcpy(record + bytes * (size_t)(to + k), record + bytes * (size_t)of[k], bytes);
+    }
 }
 
 void particles_copy_rows(struct particles *p, int to, const int32_t *of, int count)
 {
     const size_t bytes = sizeof(double) * RECORD_STRIDE(p->dimension, frictional(p), p->single);
+    const size_t sums = SUMS_BYTES(p->dimension, frictional(p), p->single);
+    memset((char *)p->force + sums * (size_t)to, 0, sums * (size_t)count);
     if (bytes == 16)
         copy_records(p->record, 16, to, of, count);
     else if (bytes == 32)
@@ -162,11 +171,12 @@ void particles_copy_rows(struct particles *p, int to, const int32_t *of, int cou
         real *sums, const size_t width, const int32_t *of, const int32_t *copy, int count)                             \
     {                                                                                                                  \
         for (int k = 0; k < count; k++) {                                                                              \
-            real *restrict to = sums + width * (size_t)of[k], *restrict from = sums + width * (size_t)copy[k];         \
-            for (size_t c = 0; c < width; c++) {                                                                       \
+            real *restrict to = sums + width * (size_t)of[k];                                                          \
+            const real *restrict from = sums + width * (size_t)copy[k];                                                \
+            if (k + COPIES_AHEAD < count)                                                                              \
+                __builtin_prefetch(sums + width * (size_t)copy[k + COPIES_AHEAD]);                                     \
+            for (size_t c = 0; c < width; c++)                                                                         \
                 to[c] += from[c];                                                                                      \
-                from[c] = 0;                                                                                           \
-            }                                                                                                          \
         }                                                                                                              \
     }
 DEFINE_ADD_ROWS(double)

@@ -75,8 +75,8 @@ int particles_spare_padding(const struct particles *particles, int k);
 
 /* Copies of particles behind all others, rows n_padded and on, which contacts take for others of the same kind:
  * room for so many rows in all, sums of forces in columns being lost; sums of `count` rows start from zero, and the
- * last of them is a padding particle; row `to` and on become copies of the `count` particles `of`; and the sums of
- * `count` copies are added to those of `of` and start anew. Errors: STATUS_NO_MEMORY. */
+ * last of them is a padding particle; row `to` and on become copies of the `count` particles `of`, whose sums start
+ * from zero; and the sums of `count` copies are added to those of `of`. Errors: STATUS_NO_MEMORY. */
 enum status particles_reserve_rows(struct particles *particles, int rows) MUST_USE;
 void particles_start_rows(struct particles *particles, int row, int count);
 void particles_copy_rows(struct particles *particles, int to, const int32_t *of, int count);

@@ -99,6 +99,7 @@ struct work {
     const struct contact_law_constants *law;
     double dt_s;
     const struct threads_sweep *sweep; /* NULL: pairs alone */
+    int members;                       /* threads at work */
 };
 
 static void advance_part(void *context, int q)
@@ -110,18 +111,42 @@ static void advance_part(void *context, int q)
     part->far = work->kernels->advance(&particles, sweep->kick, sweep->dt_s, sweep->reach_m, &part->power);
 }
 
-/* The sums of part q are complete if this was the last of the blocks that add to them: then nobody looks at its
- * particles any more, as these blocks are those that have copies of them. */
-static void finish_part(void *context, int q)
+static void complete_part(void *context, int q)
 {
     const struct work *work = context;
+    halo_add(&work->threads->halo, work->particles, q);
+    if (work->sweep)
+        advance_part(context, q);
+}
+
+static void complete_late_part(void *context, int q)
+{
+    const struct work *work = context;
+    if (work->threads->part[q].late)
+        complete_part(context, q);
+}
+
+/* The member whose share block b is in (team.c). */
+static int member_of(const struct work *work, int b)
+{
+    return (int)(((int64_t)work->members * (b + 1) - 1) / work->threads->halo.n_blocks);
+}
+
+/* The sums of part q are complete if this was the last of the blocks that add to them: then nobody looks at its
+ * particles any more, as these blocks are those that have copies of them. Those of another member's blocks are left
+ * to it, as its caches have them. */
+static void finish_part(void *context, int b, int q)
+{
+    const struct work *work = context;
+    const struct halo *halo = &work->threads->halo;
     struct halo_part *part = &work->threads->halo.part[q];
     if (atomic_fetch_sub(&part->left, 1) > 1)
         return;
     atomic_store_explicit(&part->left, part->blocks, memory_order_relaxed);
-    halo_add(&work->threads->halo, work->particles, q);
-    if (work->sweep)
-        advance_part(context, q);
+    const bool late = member_of(work, b) != member_of(work, q / halo->spans_per_block);
+    work->threads->part[q].late = late;
+    if (!late)
+        complete_part(context, q);
 }
 
 /* The pairs of block b, and the parts that are complete with it: those are still in the caches. */
@@ -135,7 +160,7 @@ static void go_through_block(void *context, int b)
     work->kernels->pair(work->particles, work->pairs, block->first_span, block->last_span, work->law, work->dt_s,
                         work->particles->force, &work->threads->losses[b]);
     for (int k = 0; k < block->n_parts; k++)
-        finish_part(context, block->part[k]);
+        finish_part(context, b, block->part[k]);
     if (work->threads->block_s)
         work->threads->block_s[b] = now_s() - start;
 }
@@ -150,7 +175,10 @@ static void go_through_all(struct work *work, struct contact_losses *losses)
             team_run(work->threads->team, work->threads->n_parts, advance_part, work);
         return;
     }
+    work->members = team_in_use(work->threads->team);
     team_run(work->threads->team, halo->n_blocks, go_through_block, work);
+    if (work->members > 1)
+        team_run(work->threads->team, work->threads->n_parts, complete_late_part, work);
     for (int b = 0; b < halo->n_blocks; b++)
         contact_losses_add(losses, &work->threads->losses[b]);
 }
@@ -159,7 +187,7 @@ void threads_pair(struct threads *threads, const struct kernels *kernels, struct
                   struct contact_list *pairs, const struct contact_law_constants *law, double dt_s,
                   struct contact_losses *losses)
 {
-    struct work work = {threads, kernels, p, pairs, law, dt_s, NULL};
+    struct work work = {threads, kernels, p, pairs, law, dt_s, NULL, 1};
     if (threads->n_parts == 1)
         kernels->pair(p, pairs, 0, pairs->slots.n_spans, law, dt_s, p->force, losses);
     else
@@ -311,7 +339,7 @@ bool threads_sweep(struct threads *threads, const struct kernels *kernels, struc
                    struct contact_list *pairs, const struct threads_sweep *sweep, struct contact_losses *losses,
                    double *background_w)
 {
-    struct work work = {threads, kernels, p, pairs, sweep->law, sweep->dt_s, sweep};
+    struct work work = {threads, kernels, p, pairs, sweep->law, sweep->dt_s, sweep, 1};
     if (threads->n_parts == 1) {
         kernels->pair(p, pairs, 0, pairs->slots.n_spans, sweep->law, sweep->dt_s, p->force, losses);
         return kernels->advance(p, sweep->kick, sweep->dt_s, sweep->reach_m, background_w);

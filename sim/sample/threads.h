@@ -14,7 +14,7 @@ enum { THREADS_PIECE_SETS = 32 };
 /* Of the particles: those of one span. */
 struct threads_part {
     double power; /* of the background */
-    bool far;
+    bool far, late;
 };
 
 /* Of a wall's contacts: some sets of them. */
