@@ -30,21 +30,33 @@ double time_step_force_n(const struct scene *scene, const struct scene_stage *st
     return 4 * pressure_pa * (scene->dimension == 2 ? d : d * d);
 }
 
+/* Damping over critical damping of a dashpot that gives the restitution, if the law has one. Without pull the exact one
+ * is not needed (sim/law/damping_ratio.h): with e = exp(-2 z acos(z)/sqrt(1 - z^2)) it is below both -ln(e)/2 and
+ * 1/(2 sqrt(e)). */
+static double damping_ratio(const struct scene_material *m)
+{
+    if (m->law != LAW_LINEAR_RESTITUTION && m->law != LAW_HERTZ)
+        return 0;
+    const double loss = -log(m->restitution);
+    return m->dashpot_pull == DASHPOT_PULL_NONE ? fmin(0.5 * loss, 0.5 / sqrt(m->restitution))
+                                                : loss / sqrt(PI * PI + loss * loss);
+}
+
 /* The linear law that is as stiff and as damped (docs/theory.md), with all that stands beside the law: rolling and
  * torsion. */
 static struct scene_material hertz_as_linear(const struct scene_sample *s, const struct scene_material *m,
                                              double force_n)
 {
-    const double nu = m->poisson_ratio, log_e = log(m->restitution), r = 0.5 * s->mean_radius_m;
+    const double nu = m->poisson_ratio, r = 0.5 * s->mean_radius_m;
     const double modulus = m->youngs_modulus_pa / (2 * (1 - nu * nu));
     const double shear = m->youngs_modulus_pa / (4 * (2 - nu) * (1 + nu));
     const double contact = force_n > 0 ? cbrt(0.75 * force_n * r / modulus) : sqrt(1e-3 * r * s->mean_radius_m);
     const double reduced_kg = 0.5 * sphere_mass_kg(s->density_kg_per_m3, s->mean_cube_m3);
     struct scene_material linear = *m;
+    linear.law = LAW_LINEAR; /* its dashpot is a number below */
     linear.kn_n_per_m = 2 * modulus * contact;
     linear.kt_n_per_m = 8 * shear * contact;
-    linear.gamma_n_kg_per_s =
-        2 * sqrt(5.0 / 6) * -log_e / sqrt(PI * PI + log_e * log_e) * sqrt(linear.kn_n_per_m * reduced_kg);
+    linear.gamma_n_kg_per_s = 2 * sqrt(5.0 / 6) * damping_ratio(m) * sqrt(linear.kn_n_per_m * reduced_kg);
     linear.gamma_t_kg_per_s = linear.gamma_n_kg_per_s * sqrt(linear.kt_n_per_m / linear.kn_n_per_m);
     return linear;
 }
@@ -59,7 +71,9 @@ static double linear_step_s(const struct scene_sample *sample, const struct scen
     const double smallest_kg = sphere_mass_kg(sample->density_kg_per_m3, lo * lo * lo);
     const double per_mass = (1 + fmin(1, lo / mean_m)) * (1 / smallest_kg + 1 / mean_kg);
     double step = fmin(PI * sqrt(mean_kg / (2 * k)) / MEAN_STEPS, PI * sqrt(smallest_kg / (2 * k)) / SMALLEST_STEPS);
-    step = fmin(step, stable_s(k, m->gamma_n_kg_per_s, per_mass) / STABLE_STEPS);
+    const double reduced_kg = 1 / (1 / smallest_kg + 1 / mean_kg);
+    const double gamma = m->gamma_n_kg_per_s + 2 * damping_ratio(m) * sqrt(k * reduced_kg);
+    step = fmin(step, stable_s(k, gamma, per_mass) / STABLE_STEPS);
     const double resists = (m->mu_rolling > 0 ? m->kr_n_per_m : 0) + (m->mu_torsion > 0 ? m->ko_n_per_m : 0),
                  slows = (m->mu_rolling > 0 ? m->gamma_r_kg_per_s : 0) +
                          (m->mu_torsion > 0 ? m->gamma_o_kg_per_s : 0); /* a^2/I = 2.5/m = (3.5/1.4)/m */

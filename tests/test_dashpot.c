@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "sim/look/measure.h"
+#include "sim/look/step_limit.h"
 #include "sim/sample/contact_state.h"
 #include "sim/sample/step_completion.h"
 
@@ -138,6 +139,30 @@ static void restitution_is_kept(void **state)
     }
 }
 
+/* Steps of dt_s = "auto" bear the dashpots that small e without pull need, far beyond critical damping: e = 0.01 asks
+ * for zeta = 5, and steps of a twentieth of the contact would not do. */
+static void auto_steps_bear_them(void **state)
+{
+    (void)state;
+    for (int law = 0; law < 2; law++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "dimension = 2;\n"
+                 "sample = { count = 2; radius_min_m = 1e-3; radius_max_m = 1e-3; density_kg_per_m3 = 2000.0; };\n"
+                 "material = { %s restitution = 0.01; dashpot_pull = \"none\"; };\n"
+                 "stages = ( { name = \"a\"; duration_s = 1e-3; } );\n",
+                 law ? "law = \"hertz\"; youngs_modulus_pa = 1e9; poisson_ratio = 0.25;" : "kn_n_per_m = 1e5;");
+        struct fixture f = fixture_from_text(text);
+        const struct scene_stage *stage = &f.scene->stage[0];
+        const struct step_limit limit = step_limit_of(f.sample, stage);
+        print_message("law %d: auto %.3g s, the longest that holds %.3g s, t_c %.3g s\n", law, stage->dt_s,
+                      limit.stable_s, limit.contact_s);
+        assert_true(stage->dt_s < limit.stable_s);
+        assert_true(limit.stable_s < limit.contact_s / 20); /* 1/(4 zeta omega), less by what other contacts add */
+        fixture_close(&f);
+    }
+}
+
 /* With cohesion the least force is -kc delta: a pair that parts fast. */
 static void cohesion_is_left(void **state)
 {
@@ -170,6 +195,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(impacts_on_a_wall),
         cmocka_unit_test(restitution_is_kept),
+        cmocka_unit_test(auto_steps_bear_them),
         cmocka_unit_test(cohesion_is_left),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sim/law/damping_ratio.h"
 #include "wallctl/law.h"
 
 static const double PI = 3.14159265358979323846;
@@ -84,13 +85,17 @@ static void take_shorter(double stable_s, bool tangential, char axis, struct ste
 
 /* Of particles among themselves, or (axis) on walls, which are counted like particles: their own spring, that of one
  * particle, but no motion. */
-static void contacts_limit(const struct contact_law_constants *law, const struct grain_sizes *sizes, char axis,
-                           struct step_limit *limit)
+static void contacts_limit(const struct contact_law_constants *law, const struct scene_material *material,
+                           const struct grain_sizes *sizes, char axis, struct step_limit *limit)
 {
     const double contacts = 1 + fmin(1, sizes->radius_m / sizes->mean_radius_m);
     const double per_mass = contacts * (1 / sizes->lightest_kg + 1 / sizes->mean_kg);
+    const double reduced_kg = 1 / (1 / sizes->lightest_kg + 1 / sizes->mean_kg);
+    const bool asked = material->law == LAW_LINEAR_RESTITUTION || material->law == LAW_HERTZ;
+    const double ratio = asked ? damping_ratio_of(material) : 0;
+    const double gamma = law->gamma_n + 2 * ratio * sqrt(law->stiffness * reduced_kg);
     limit->contact_s = fmin(limit->contact_s, PI / sqrt(2 * law->stiffness / sizes->lightest_kg));
-    take_shorter(stable_step_s(law->stiffness * per_mass, law->gamma_n * per_mass), false, axis, limit);
+    take_shorter(stable_step_s(law->stiffness * per_mass, gamma * per_mass), false, axis, limit);
     if (law->mu_s > 0)
         take_shorter(stable_step_s((3.5 * law->kt + 2.5 * (law->rolling.k + law->torsion.k)) * per_mass,
                                    (3.5 * law->gamma_t + 2.5 * (law->rolling.gamma + law->torsion.gamma)) * per_mass),
@@ -104,12 +109,14 @@ struct step_limit step_limit_of(const struct sample *sample, const struct scene_
     struct step_limit limit = {.stable_s = INFINITY, .contact_s = INFINITY, .radius_m = sizes.radius_m};
     struct contact_law_constants law = contact_law_constants_of(&stage->material, normal), of_walls[3];
     contact_law_set_scale(&law, normal, sizes.radius_m, 0);
-    contacts_limit(&law, &sizes, '\0', &limit);
+    contacts_limit(&law, &stage->material, &sizes, '\0', &limit);
     for (int c = 0; c < sample->particles.dimension; c++) {
         const enum axis axis = sample_axis(sample, c);
+        struct scene_material material;
         of_walls[c] = contact_law_constants_of_walls(stage, axis, normal);
         contact_law_set_scale(&of_walls[c], normal, sizes.radius_m, 0);
-        contacts_limit(&of_walls[c], &sizes, "xyz"[axis], &limit);
+        (void)scene_wall_material(stage, axis, &material);
+        contacts_limit(&of_walls[c], &material, &sizes, "xyz"[axis], &limit);
     }
     walls_limit(sample, stage, of_walls, sizes.mean_radius_m, &limit);
     return limit;
