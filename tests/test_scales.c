@@ -233,10 +233,52 @@ static void friction_starts_from_nothing(void **state)
     assert_true(x[0][0] == x[0][1] && x[1][0] == x[1][1] && x[0][0] != x[1][0]);
 }
 
+/* A stage that switches friction off takes what its springs hold, and one that makes contacts stiffer adds to what they
+ * hold: the ledger has both as work of the material, and closes. */
+static void material_that_changes(void **state)
+{
+    static const char *const first[] = {"law = \"linear\"; kn_n_per_m = 5e4; gamma_n_kg_per_s = 0.1; kt_n_per_m = 2e4;",
+                                        "law = \"hertz\"; youngs_modulus_pa = 1e8; poisson_ratio = 0.25;"},
+                             *const second[] = {"kn_n_per_m = 6e4; kt_n_per_m = 0.0;", "youngs_modulus_pa = 1.2e8;"};
+    (void)state;
+    for (int n = 0; n < 4; n++) {
+        char text[2048];
+        snprintf(
+            text, sizeof text,
+            "dimension = 2; seed = 7; precision = \"%s\";\n"
+            "sample = { count = 60; radius_min_m = 0.5e-3; radius_max_m = 1.5e-3; density_kg_per_m3 = 2000.0;\n"
+            "  speed_m_per_s = 0.3; };\n"
+            "material = { %s mu_s = 0.5; gamma_b_kg_per_s = 0.02; };\n"
+            "walls = { x = { mode = \"stress\"; pressure_pa = 100.0; mass_kg = 1e-4; damping_kg_per_s = 1.0; };\n"
+            "          z = { mode = \"stress\"; pressure_pa = 100.0; mass_kg = 1e-4; damping_kg_per_s = 1.0; }; };\n"
+            "stages = ( { name = \"rough\"; dt_s = 1e-6; duration_s = 6e-3; },\n"
+            "  { name = \"smooth\"; dt_s = 1e-6; duration_s = 2e-3; material = { mu_s = 0.0; %s }; } );\n",
+            n % 2 ? "mixed" : "double", first[n / 2], second[n / 2]);
+        struct fixture f = fixture_from_text(text);
+        struct measurement before, after;
+        fixture_run(&f, 6000);
+        must(measure(sample_complete(f.sample), &before));
+        assert_true(before.elastic_tangential_j > 1e-3 * before.elastic_normal_j);
+        fixture_run(&f, 6001);
+        /* linear: energies of springs go with k at the same overlaps; Hertz: with E */
+        const double grown = 0.2 * before.elastic_normal_j, work = f.sample->ledger.work_material;
+        assert_close("work of the material", work, grown - before.elastic_tangential_j, 1e-5 * grown);
+        fixture_run(&f, 8000);
+        must(measure(sample_complete(f.sample), &after));
+        print_message("%s, %s: friction's springs held %.3g J, contacts get %.3g J; residual %.2g of the turnover\n",
+                      n / 2 ? "hertz" : "linear", n % 2 ? "mixed" : "double", before.elastic_tangential_j, grown,
+                      after.residual_j / measure_turnover_j(f.sample, &after));
+        assert_true(after.elastic_tangential_j == 0);
+        assert_true(fabs(after.residual_j) < 1e-2 * measure_turnover_j(f.sample, &after));
+        fixture_close(&f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(friction_starts_from_nothing),
+        cmocka_unit_test(material_that_changes),
         cmocka_unit_test(same_in_double),
         cmocka_unit_test(same_in_mixed),
     };
