@@ -8,8 +8,8 @@
  * and after (timing.h). Below the rows of a sample, for each number of threads: how many times as fast as with the
  * first of them, one thread, a step, its parts and a build of the lists are, how much of that number is reached, and
  * which part of the time would have to be serial to explain it (Amdahl). And a model of a step on more cores
- * (scaling_model.h) that can move
- * --bandwidth GB/s together. */
+ * (scaling_model.h) that can move --bandwidth GB/s together. All threads are at work while steps and parts are timed.
+ */
 #include <inttypes.h>
 #include <jansson.h>
 #include <limits.h>
@@ -216,8 +216,17 @@ static enum status time_steps(struct sample *sample, struct row *row)
     return STATUS_OK;
 }
 
+/* As many threads as asked for in every step, without trials of fewer (thread_choice.h). */
+static void hold_threads(struct sample *sample, int threads)
+{
+    sample->threads.choice = (struct thread_choice){.most = 1, .best = threads, .use = threads};
+    if (sample->threads.team)
+        team_use(sample->threads.team, threads);
+}
+
 static enum status time_parts(struct sample *sample, struct row *row)
 {
+    hold_threads(sample, row->threads);
     TRY(time_steps(sample, row));
     (void)sample_complete(sample);
     TRY(time_it(sample, one_pair, &row->pair_us));
