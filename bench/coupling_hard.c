@@ -72,6 +72,7 @@ static enum status run(struct hard_work *work, const char *name, const char *che
                             .limit_s = LIMIT_S};
     trial->override[trial->n_overrides++] = duration;
     trial->override[trial->n_overrides++] = start;
+    trial->override[trial->n_overrides++] = "stages.0.cut_path=true";
     for (int k = 0; k < 4 && work->at->override[k]; k++)
         trial->override[trial->n_overrides++] = work->at->override[k];
     coupling_point_override(point, trial, text);

@@ -108,7 +108,7 @@ static void axis_write(FILE *out, struct scales *s, char name, double duration_s
     if (kind <= 2) {
         fprintf(out, "%c = { mode = \"strain\"; strain = %.4g; frequency_hz = %.17g; opposite = \"%s\"; }; ", name,
                 one_in(&s->random, 8) ? uniform(&s->random, -1, 0.95) : uniform(&s->random, -0.1, 0.2),
-                uniform(&s->random, 0.3, 1) / duration_s, pick(s, opposites, 2));
+                uniform(&s->random, 0.45, 1.5) / duration_s, pick(s, opposites, 2));
         return;
     }
     const double p = one_in(&s->random, 12) ? -s->pressure_pa : one_in(&s->random, 20) ? 0 : s->pressure_pa;

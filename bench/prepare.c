@@ -16,15 +16,17 @@ enum { ARGUMENTS_MAX = 300 };
 static enum status run_sim(const char *sim, const char *path, const struct scene *scene, const char *const *overrides,
                            int n_overrides, const char *folder)
 {
-    char file[512], log[512], cut[128], interval[128];
+    char file[512], log[512], cut[128], cut_path[64], interval[128];
     const char *argv[ARGUMENTS_MAX];
     int n = 0, last = (int)scene->n_stages - 1;
     const double dt_s = scene->stage[last].dt_s;
     snprintf(file, sizeof file, "%s/checkpoint.h5", folder);
     snprintf(log, sizeof log, "%s/prepare.log", folder);
     snprintf(cut, sizeof cut, "stages.%d.duration_s=%.17g", last, dt_s);
+    snprintf(cut_path, sizeof cut_path, "stages.%d.cut_path=true", last);
     snprintf(interval, sizeof interval, "stages.%d.sample_interval_s=%.17g", last, dt_s);
-    const char *const fixed[] = {sim, path, "--in-process", "--checkpoint", file, "--set", cut, "--set", interval};
+    const char *const fixed[] = {sim, path,    "--in-process", "--checkpoint", file,    "--set",
+                                 cut, "--set", cut_path,       "--set",        interval};
     for (size_t k = 0; k < sizeof fixed / sizeof *fixed; k++)
         argv[n++] = fixed[k];
     for (int k = 0; k < n_overrides && n < ARGUMENTS_MAX - 2; k++) {
@@ -100,7 +102,9 @@ struct scene *prepare_scene_copy(const struct scene *from)
     *to = *from;
     to->stage = malloc(stages);
     to->text = from->text ? strdup(from->text) : NULL;
-    if (!to->stage || (from->text && !to->text)) {
+    to->source = from->source ? strdup(from->source) : NULL;
+    to->prepared = NULL; /* its stages are there */
+    if (!to->stage || (from->text && !to->text) || (from->source && !to->source)) {
         prepare_scene_free(to);
         return NULL;
     }

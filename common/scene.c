@@ -1,6 +1,7 @@
 #include "common/scene.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,7 +10,9 @@ void scene_free(struct scene *scene)
     free(scene->text);
     free(scene->stage);
     free(scene->prepared);
+    free(scene->source);
     scene->text = NULL;
+    scene->source = NULL;
     scene->prepared = NULL;
     scene->stage = NULL;
     scene->n_stages = 0;
@@ -111,4 +114,51 @@ double scene_axis_rate_end_s(const struct scene_axis *axis)
 {
     const double steady_s = axis->strain / axis->rate_per_s; /* of one sign: checked */
     return steady_s > 0.5 * axis->rise_s ? steady_s + 0.5 * axis->rise_s : sqrt(2 * axis->rise_s * steady_s);
+}
+
+double scene_axis_length_s(const struct scene_axis *axis)
+{
+    const double last_s = axis->times_s.count > 0 ? axis->times_s.value[axis->times_s.count - 1] : 0;
+    if (scene_axis_has_target(axis))
+        return axis->target == TARGET_RAMP ? axis->ramp_s : axis->target == TARGET_TABLE ? last_s : 0;
+    if (axis->mode != WALL_STRAIN)
+        return 0;
+    switch (axis->course) {
+    case COURSE_SMOOTH:
+        return 0.5 / axis->frequency_hz;
+    case COURSE_RATE:
+        return axis->strain != 0 ? scene_axis_rate_end_s(axis) : 0;
+    case COURSE_TABLE:
+        return last_s;
+    default:
+        return 0;
+    }
+}
+
+double scene_axis_largest_strain(const struct scene_axis *axis, double duration_s)
+{
+    double largest = 0;
+    if (axis->mode != WALL_STRAIN)
+        return 0;
+    if (axis->course == COURSE_TABLE) {
+        for (int k = 0; k < axis->strains.count; k++)
+            largest = fmax(largest, axis->strains.value[k]);
+        return largest;
+    }
+    if (axis->course == COURSE_SMOOTH || (axis->course == COURSE_RATE && axis->strain != 0))
+        return fmax(0, axis->strain);
+    if (axis->course == COURSE_RATE)
+        return 0; /* without an end, until a condition ends the stage */
+    const double grown =
+        axis->strain_growth * floor(floor(duration_s * axis->frequency_hz) / (double)axis->growth_cycles);
+    const double amplitude = fabs(axis->strain) > fabs(axis->strain + grown) ? axis->strain : axis->strain + grown;
+    return axis->two_way ? fabs(amplitude) : fmax(0, amplitude);
+}
+
+void scene_stage_place(const struct scene *scene, const struct scene_stage *stage, char *text, size_t size)
+{
+    if (stage->line > 0)
+        snprintf(text, size, "%s:%d: stage \"%s\"", scene->source, stage->line, stage->name);
+    else
+        snprintf(text, size, "%s: stage \"%s\"", scene->source, stage->name);
 }

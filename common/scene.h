@@ -109,9 +109,11 @@ struct scene_limits {
 struct scene_stage {
     char name[CONFIG_STRING_MAX]; /* in a group that is repeated with ".1", ".2" ... of its pass */
     int name_length;              /* without that */
+    int line;                     /* in scene.source; 0: it stands for prepare, or the text says nothing of it */
     int64_t repeat, group_length; /* of a group, on its first stage: passes, stages in each; else 0 */
     double dt_s;
     double duration_s; /* its length, or the limit in time when a condition is given */
+    bool cut_path;     /* it may end before its paths and cycles do */
     /* Conditions; whichever comes first ends it. Rest is one: both of these, if both are given. */
     double until_energy_ratio;  /* E_kin/E_pot is below this; 0: no condition */
     double until_stress_error;  /* every stress-controlled axis is within this fraction of its target */
@@ -223,6 +225,7 @@ struct scene {
     int64_t n_stages;
     struct scene_stage *stage; /* [n_stages], owned */
     char *text;                /* the file as read, owned */
+    char *source;              /* its name in messages, owned */
     char *prepared;            /* the stages that prepare = { ... } stands for, owned; NULL: none */
 };
 
@@ -244,6 +247,16 @@ bool scene_axis_has_target(const struct scene_axis *axis);
 
 /* Period of the cycles that are run along an axis; 0: none are. */
 double scene_axis_period_s(const struct scene_axis *axis);
+
+/* Until a table, a ramp or a course of strain of an axis has come to its end [s]; 0: it has none. */
+double scene_axis_length_s(const struct scene_axis *axis);
+
+/* The largest strain that the axis comes to, by its course; of cycles that grow: in `duration_s`. 0: no strain control.
+ */
+double scene_axis_largest_strain(const struct scene_axis *axis, double duration_s);
+
+/* Where a stage stands, for messages: `scene.cfg:12: stage "test"`. */
+void scene_stage_place(const struct scene *scene, const struct scene_stage *stage, char *text, size_t size);
 
 /* When a course "rate" comes to its strain, which is not 0 [s]. */
 double scene_axis_rate_end_s(const struct scene_axis *axis);

@@ -21,6 +21,9 @@ enum status scene_check_walls(const struct scene *scene, const struct scene_stag
 /* The complete stage: length, frames, conditions. */
 enum status scene_check_stage(const struct scene_stage *stage, const config_setting_t *at, const char *where) MUST_USE;
 
+/* Whether the paths and cycles of all stages fit into them. Of scenes that are to be run, not of records. */
+enum status scene_check_paths(const struct scene *scene) MUST_USE;
+
 /* Stage `index` against those before it: two must not write one checkpoint. */
 enum status scene_check_name(const struct scene *scene, int64_t index, const config_setting_t *at,
                              const char *where) MUST_USE;

@@ -65,6 +65,7 @@ static enum status stage_read(struct scene *scene, const config_setting_t *root,
     TRY(config_group_read(setting, scene_stage_keys, where, NULL, stage));
     TRY(config_require(setting, scene_stage_keys, where));
     stage->name_length = (int)strlen(stage->name);
+    stage->line = strcmp(where, "prepare") == 0 ? 0 : (int)config_setting_source_line(setting);
     scene_material_refine(&stage->material);
     TRY(scene_check_material(scene, stage, setting, where));
     TRY(time_step_set(scene, stage, setting, where));
@@ -203,6 +204,8 @@ static enum status parse(struct scene *scene, const char *text, const char *name
 {
     config_t config;
     memset(scene, 0, sizeof *scene);
+    if (!(scene->source = strdup(name)))
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
     config_source_name(name);
     config_init(&config);
     enum status status = config_parse(&config, text, name, overrides, n_overrides);
@@ -273,6 +276,8 @@ enum status scene_load(struct scene *scene, const char *path, const char *const 
     TRY(file_read(path, &text));
     enum status status = parse(scene, text, path, path, overrides, n_overrides);
     free(text);
+    if (status == STATUS_OK)
+        status = scene_check_paths(scene);
     return status == STATUS_OK ? check_message_size(scene, path) : status;
 }
 

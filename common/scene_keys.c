@@ -299,6 +299,8 @@ const struct key scene_stage_keys[] = {
      "length of the stage; with a condition, the limit in time; 0: as long as until_cycles, or as its courses, ramps "
      "and "
      "tables take"},
+    {"cut_path", KEY_BOOL, OF(scene_stage, cut_path), NULL, 0, 0, "false", NULL, NULL,
+     "duration_s may end the stage before its courses, ramps, tables and cycles do; otherwise that is refused"},
     {"until_energy_ratio", KEY_FLOAT, OF(scene_stage, until_energy_ratio), NULL, 0, INFINITY, "0", NULL, NULL,
      "condition (rest): the stage ends when E_kin/E_pot is below this; 0: none. Of several conditions the first that "
      "is "
@@ -491,26 +493,6 @@ void scene_stage_start(const struct scene *scene, struct scene_stage *stage)
     stage->limits = scene->limits;
 }
 
-/* Until a table, a ramp or a course of strain has come to its end; 0: it has none. */
-static double axis_length_s(const struct scene_axis *axis)
-{
-    const double last_s = axis->times_s.count > 0 ? axis->times_s.value[axis->times_s.count - 1] : 0;
-    if (scene_axis_has_target(axis))
-        return axis->target == TARGET_RAMP ? axis->ramp_s : axis->target == TARGET_TABLE ? last_s : 0;
-    if (axis->mode != WALL_STRAIN)
-        return 0;
-    switch (axis->course) {
-    case COURSE_SMOOTH:
-        return 0.5 / axis->frequency_hz;
-    case COURSE_RATE:
-        return axis->strain != 0 ? scene_axis_rate_end_s(axis) : 0;
-    case COURSE_TABLE:
-        return last_s;
-    default:
-        return 0;
-    }
-}
-
 /* What the stage says of its length otherwise. */
 static double stage_length_s(const struct scene_stage *stage)
 {
@@ -521,7 +503,7 @@ static double stage_length_s(const struct scene_stage *stage)
             return (double)stage->until_cycles * period_s;
     }
     for (int k = 0; k < SCENE_AXES; k++)
-        length_s = fmax(length_s, axis_length_s(&stage->axis[k]));
+        length_s = fmax(length_s, scene_axis_length_s(&stage->axis[k]));
     return length_s;
 }
 

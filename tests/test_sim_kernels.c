@@ -378,26 +378,25 @@ static struct contact_losses losses_alone(struct bench *b, int k, struct model m
 }
 
 /* Sum of the sizes of the terms of each loss: contact by contact; rolling and torsion, which go into one sum and may
- * have different signs there, each by itself, and what their dashpots would take without sliding, which takes some of
- * that back: gamma (v^2 dt - q pull.v). */
+ * have different signs there, each by itself, and what dashpots and a changing stiffness would take without sliding:
+ * friction takes it where contacts slide, and a rounding decides that for those at their limit. */
 static struct contact_losses loss_sizes(struct bench *b, struct model model, const struct kernels *kernels)
 {
     struct contact_losses sizes = {0};
     struct contact_law_constants rolling = b->law, torsion = b->law, stuck = b->law;
     rolling.torsion = torsion.rolling = (struct contact_resistance){0};
-    stuck.rolling.mu = stuck.torsion.mu = 1e10;
+    stuck.rolling.mu = stuck.torsion.mu = stuck.mu_s = stuck.mu_d = 1e10;
     for (int k = 0; k < b->pairs.count; k++) {
         const struct contact_losses lost = losses_alone(b, k, model, kernels, &rolling),
                                     twist = losses_alone(b, k, model, kernels, &torsion),
                                     taken = losses_alone(b, k, model, kernels, &stuck);
         sizes.hysteresis += fabs(lost.hysteresis);
         sizes.viscous_normal += fabs(lost.viscous_normal);
-        sizes.viscous_tangential += fabs(lost.viscous_tangential);
-        sizes.friction += fabs(lost.friction);
-        sizes.stiffness += fabs(lost.stiffness);
-        sizes.rolling += fabs(lost.rolling) + fabs(twist.rolling);
-        sizes.viscous_rolling +=
-            fabs(lost.viscous_rolling) + fabs(twist.viscous_rolling) + 2 * fabs(taken.viscous_rolling);
+        sizes.viscous_tangential += fabs(taken.viscous_tangential);
+        sizes.stiffness += fabs(taken.stiffness);
+        sizes.friction += fabs(lost.friction) + fabs(taken.viscous_tangential) + fabs(taken.stiffness);
+        sizes.viscous_rolling += fabs(taken.viscous_rolling);
+        sizes.rolling += fabs(lost.rolling) + fabs(twist.rolling) + fabs(taken.viscous_rolling);
     }
     return sizes;
 }

@@ -71,11 +71,15 @@ texts=()
 run 'soft but allowed' 0 damped-biaxial --set limits.overlap_ratio=2.0 --set stages.1.walls.z.strain=0.1
 
 # The box is known when the test begins: 0.95 of it away leaves no room, and nothing gives way.
-texts=('stage "test": walls.z.strain = 0.95 would make the box smaller than the particles bear')
+texts=('stage "test": walls.z.strain = 0.95 would make the box smaller than the particles bear' 'damped-biaxial.cfg:')
 run 'no room' 3 damped-biaxial --set stages.1.walls.x.mode=fixed --set stages.1.walls.z.strain=0.95
 texts=('stage "confine": walls.z.strain = 0.95 would make')
 run 'no room, check' 3 damped-biaxial --set stages.0.walls.x.mode=fixed --set stages.0.walls.z.mode=strain \
     --set stages.0.walls.z.strain=0.95 --set stages.0.walls.z.frequency_hz=50.0 --check
+texts=('stage "test": walls.z: the path takes 0.05 s, but the stage ends at duration_s = 0.01')
+run 'half a path' 3 damped-biaxial --set stages.1.walls.z.frequency_hz=10.0
+texts=()
+run 'half a path, wanted' 0 damped-biaxial --set stages.1.walls.z.frequency_hz=10.0 --set stages.1.cut_path=true
 
 # What is recorded, and how long a stage may last, changes neither the end of a stage nor a bit of the state.
 texts=('confine: ended by rest after 0.0028')

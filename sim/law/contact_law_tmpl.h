@@ -215,7 +215,8 @@ struct NAME(meeting) {
 #if ROLLING
 /* Rolling or torsion when what resists it is known, but for how much of it slides. */
 struct NAME(resisted) {
-    real pull[SPRINGS], moved[SPRINGS], pull2, power, factor; /* as of struct touch; torsion: the first component */
+    real pull[SPRINGS], moved[SPRINGS]; /* as of struct touch; torsion: the first component */
+    real pull2, power, viscous, factor;
 };
 #endif
 
@@ -226,8 +227,9 @@ struct NAME(touch) {
     real_mask active;
 #if MINDLIN
     struct NAME(pair) pair;
+    real stiffness; /* twice what the changing kt takes */
 #endif
-    real arm, pull[SPRINGS], pull2, power, bound2, kinetic, factor;
+    real arm, pull[SPRINGS], pull2, power, viscous, bound2, kinetic, factor;
     real moved[SPRINGS]; /* the spring half a step on if nothing slides; single: its change */
 #endif
 #if ROLLING
@@ -253,19 +255,19 @@ struct NAME(contact_result) {
 #if ROLLING
 /* Of rolling or torsion the sums that friction has. */
 struct NAME(resisted_sums) {
-    real v2, slip, slip2, power;
+    real stuck, slid, slip, slip2, power;
 };
 
 struct NAME(resisted_totals) {
-    struct NAME(doubles) v2, slip, slip2, power;
+    struct NAME(doubles) stuck, slid, slip, slip2, power;
 };
 #endif
 
-/* Sums over contacts, one per lane: of u^2; of v_t^2, q pull^2, q^2 pull^2 and q pull.v_t for what the dashpot and
- * sliding take. */
+/* Sums over contacts, one per lane: of u^2; of v_t^2 of those that stick and of those that slide, q pull^2, q^2 pull^2
+ * and q pull.v_t for what the dashpot and sliding take. */
 struct NAME(sums) {
     struct NAME(normal_sums) own; /* of the normal law */
-    real normal, vt2, slip, slip2, power;
+    real normal, stuck, slid, slip, slip2, power;
 #if MINDLIN
     real power_t, stiffness;
 #endif
@@ -277,7 +279,7 @@ struct NAME(sums) {
 /* What they have come to, so that sums in float stay short. */
 struct NAME(totals) {
     struct NAME(normal_totals) own;
-    struct NAME(doubles) normal, vt2, slip, slip2, power;
+    struct NAME(doubles) normal, stuck, slid, slip, slip2, power;
 #if MINDLIN
     struct NAME(doubles) power_t, stiffness;
 #endif
@@ -439,9 +441,17 @@ LANES_INLINE void NAME(slip_by)(real back, const struct NAME(touch) * touch, con
 #endif
 }
 
+/* What the dashpots of contacts that stick (slides = 0) or slide (1) would take, as sums apart. */
+LANES_INLINE void NAME(viscous_add)(real slides, real viscous, real *stuck, real *slid)
+{
+    *stuck = real_fma(real_all(1.0) - slides, viscous, *stuck);
+    *slid = real_fma(slides, viscous, *slid);
+}
+
 LANES_INLINE void NAME(friction_sums_close)(struct NAME(sums) * sums, struct NAME(totals) * totals)
 {
-    NAME(close)(&sums->vt2, &totals->vt2);
+    NAME(close)(&sums->stuck, &totals->stuck);
+    NAME(close)(&sums->slid, &totals->slid);
     NAME(close)(&sums->slip, &totals->slip);
     NAME(close)(&sums->slip2, &totals->slip2);
     NAME(close)(&sums->power, &totals->power);

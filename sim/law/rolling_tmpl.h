@@ -7,10 +7,10 @@
 /* Spring, test force and power of n components. spring: of the step before, fresh contacts 0; change: by turning. */
 LANES_INLINE void NAME(resist)(const struct NAME(law) * law, const struct NAME(resistance) * r, int n, const real *v,
                                const real *way, const real *spring, const real *change, scalar *const *rest,
-                               real_mask old, real limit, struct NAME(resisted) * to, struct NAME(resisted_sums) * sums)
+                               real_mask old, real limit, struct NAME(resisted) * to)
 {
     const real zero = real_all(0.0), per = real_all(law->per_force), bound = real_all(r->mu) * limit;
-    to->power = to->pull2 = zero;
+    to->power = to->pull2 = to->viscous = zero;
     (void)rest;
     (void)old;
     for (int c = 0; c < n; c++) {
@@ -25,7 +25,7 @@ LANES_INLINE void NAME(resist)(const struct NAME(law) * law, const struct NAME(r
         to->pull[c] = real_fma(real_all(r->k), middle, real_all(r->lever) * v[c]);
         to->power = real_fma(to->pull[c], v[c], to->power);
         to->pull2 = real_fma(to->pull[c], to->pull[c], to->pull2);
-        sums->v2 = real_fma(v[c], v[c], sums->v2);
+        to->viscous = real_fma(v[c], v[c], to->viscous);
     }
     const real reduced = NAME(ratio)(bound * per, real_larger(to->pull2 * (per * per), real_all(0x1p-120)));
     to->factor = real_select(real_greater(to->pull2, bound * bound), reduced, real_all(1.0));
@@ -64,8 +64,7 @@ LANES_INLINE void NAME(roll)(const struct NAME(law) * law, const struct NAME(mee
     const real twist = real_where(touch->active, vo), way_o = real_fma(step, twist, half * lag_o);
     const real twisted = real_where(old, real_load(memory->torsion));
     NAME(resist)
-    (law, &law->torsion, 1, &twist, &way_o, &twisted, &zero, &memory->torsion_rest, old, limit, &touch->torsion,
-     &sums->torsion);
+    (law, &law->torsion, 1, &twist, &way_o, &twisted, &zero, &memory->torsion_rest, old, limit, &touch->torsion);
     sums->torsion.slip2 = real_fma(ahead2 * twist, twist, sums->torsion.slip2);
     real_store(memory->torsion, twisted);
 #endif
@@ -75,8 +74,7 @@ LANES_INLINE void NAME(roll)(const struct NAME(law) * law, const struct NAME(mee
         real_store(memory->rolling[c], spring[c]);
     }
     NAME(resist)
-    (law, &law->rolling, SPRINGS, v, way, spring, change, memory->rolling_rest, old, limit, &touch->rolling,
-     &sums->rolling);
+    (law, &law->rolling, SPRINGS, v, way, spring, change, memory->rolling_rest, old, limit, &touch->rolling);
     sums->rolling.slip2 = real_fma(ahead2, NAME(dot)(v, v), sums->rolling.slip2);
 }
 
@@ -87,6 +85,8 @@ LANES_INLINE void NAME(resisted_slip)(const struct NAME(resistance) * r, const s
 {
     const real q = (real_all(1.0) - from->factor) * real_all(r->inv_k), slip = q * from->pull2;
     (void)rest;
+    const real slides = real_where(real_greater(real_all(1.0), from->factor), real_all(1.0));
+    NAME(viscous_add)(slides, from->viscous, &sums->stuck, &sums->slid);
     sums->slip = sums->slip + slip;
     sums->slip2 = real_fma(q, slip, sums->slip2);
     sums->power = real_fma(q, from->power, sums->power);
@@ -127,7 +127,8 @@ LANES_INLINE void NAME(roll_slip)(const struct NAME(law) * law, const struct NAM
 
 LANES_INLINE void NAME(resisted_close)(struct NAME(resisted_sums) * sums, struct NAME(resisted_totals) * totals)
 {
-    NAME(close)(&sums->v2, &totals->v2);
+    NAME(close)(&sums->stuck, &totals->stuck);
+    NAME(close)(&sums->slid, &totals->slid);
     NAME(close)(&sums->slip, &totals->slip);
     NAME(close)(&sums->slip2, &totals->slip2);
     NAME(close)(&sums->power, &totals->power);
@@ -136,9 +137,9 @@ LANES_INLINE void NAME(resisted_close)(struct NAME(resisted_sums) * sums, struct
 LANES_INLINE void NAME(resisted_add)(const struct NAME(resisted_totals) * totals, const struct contact_resistance *r,
                                      double dt_s, const struct law_units *units, struct contact_losses *losses)
 {
-    const double power = units->speed * NAME(doubles_sum)(totals->power);
-    const double v2 = units->speed * units->speed * NAME(doubles_sum)(totals->v2);
-    losses->viscous_rolling += r->gamma * (dt_s * v2 - power);
-    losses->rolling +=
-        units->force * NAME(doubles_sum)(totals->slip) - 0.5 * r->k * (NAME(doubles_sum)(totals->slip2) + dt_s * power);
+    const double power = units->speed * NAME(doubles_sum)(totals->power), speed2 = units->speed * units->speed;
+    losses->viscous_rolling += r->gamma * dt_s * speed2 * NAME(doubles_sum)(totals->stuck);
+    losses->rolling += units->force * NAME(doubles_sum)(totals->slip) -
+                       0.5 * r->k * (NAME(doubles_sum)(totals->slip2) + dt_s * power) +
+                       r->gamma * (dt_s * speed2 * NAME(doubles_sum)(totals->slid) - power);
 }

@@ -23,7 +23,7 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
         change[c] = zero;
     }
     /* |T|^2/(2 k_t) of the step before, less what of it is left: both with the k_t of either side */
-    sums->stiffness = sums->stiffness + real_where(touch->active, kept2 * (one - pair->ratio) * pair->held);
+    touch->stiffness = real_where(touch->active, kept2 * (one - pair->ratio) * pair->held);
     sums->slip2 = real_fma(pair->kt, t.start2, sums->slip2);
 #if DIM == 3 /* in 2D the force is a number along the tangent, so a rotating pair carries it along by itself */
     NAME(turn)(law, at, touch->n, t.gt, spring, change);
@@ -42,8 +42,8 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
         middle = spring[c] + middle;
 #endif
         touch->pull[c] = real_fma(lever, t.vt[c], middle);
-        sums->vt2 = real_fma(gamma_t * t.vt[c], t.vt[c], sums->vt2);
     }
+    touch->viscous = gamma_t * NAME(dot)(t.vt, t.vt);
     touch->power = NAME(dot)(touch->pull, t.vt);
     touch->pull2 = NAME(dot)(touch->pull, touch->pull);
     real_mask slid = real_greater(real_load(memory->sliding), zero);
@@ -54,7 +54,8 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
 
 /* Forces that are remembered, losses and forces of friction. A sliding contact slips by q pull, q = (1 - factor)/kt, so
  * that the law holds with the force that is left; q = 0: it sticks. With the mean of the spring over the step the
- * ledger closes in second order, jumps of the spring included. */
+ * ledger closes in second order, jumps of the spring included. While a contact slides friction takes all, as in
+ * tangential_spring_tmpl.h, what the changing kt takes included. */
 LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(touch) * touch,
                              const struct NAME(memory) * memory, struct NAME(contact_result) * result,
                              struct NAME(sums) * sums)
@@ -62,6 +63,10 @@ LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(tou
     const real gone = real_all(1.0) - touch->factor, q = gone * touch->pair.inv_kt;
     const real slip = q * touch->pull2;
     (void)law;
+    const real slides = real_load(memory->sliding);
+    NAME(viscous_add)(slides, touch->viscous, &sums->stuck, &sums->slid);
+    sums->stiffness = real_fma(real_all(1.0) - slides, touch->stiffness, sums->stiffness);
+    sums->slip2 = real_fma(-slides, touch->stiffness, sums->slip2);
     sums->slip = sums->slip + slip;
     sums->slip2 = real_fma(gone, slip, sums->slip2);
     sums->power = real_fma(gone, touch->power, sums->power);
@@ -74,9 +79,9 @@ LANES_INLINE void NAME(friction_totals_add)(const struct NAME(totals) * totals, 
 {
     const double force = units->force, power = units->speed * NAME(doubles_sum)(totals->power);
     (void)law;
-    losses->viscous_tangential +=
-        force * (dt_s * units->speed * NAME(doubles_sum)(totals->vt2) - NAME(doubles_sum)(totals->power_t));
+    losses->viscous_tangential += force * dt_s * units->speed * NAME(doubles_sum)(totals->stuck);
     losses->friction +=
-        force * (NAME(doubles_sum)(totals->slip) - 0.5 * (NAME(doubles_sum)(totals->slip2) + dt_s * power));
+        force * (NAME(doubles_sum)(totals->slip) - 0.5 * (NAME(doubles_sum)(totals->slip2) + dt_s * power) +
+                 dt_s * units->speed * NAME(doubles_sum)(totals->slid) - NAME(doubles_sum)(totals->power_t));
     losses->stiffness += 0.5 * force * NAME(doubles_sum)(totals->stiffness);
 }

@@ -29,8 +29,8 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
         middle = spring[c] + middle;
 #endif
         touch->pull[c] = real_fma(real_all(law->kt), middle, real_all(law->lever) * t.vt[c]);
-        sums->vt2 = real_fma(t.vt[c], t.vt[c], sums->vt2);
     }
+    touch->viscous = NAME(dot)(t.vt, t.vt);
     touch->power = NAME(dot)(touch->pull, t.vt);
     touch->pull2 = NAME(dot)(touch->pull, touch->pull);
     real_mask slid = real_greater(real_load(memory->sliding), zero);
@@ -41,12 +41,14 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
 
 /* Springs, losses and forces of friction. A sliding spring slips by q pull, q = (1 - factor)/kt, so that the law holds
  * with the spring that is left; q = 0: it sticks. With the mean of the spring over the step the ledger closes in second
- * order, jumps of the spring included. */
+ * order, jumps of the spring included. While a contact slides friction takes all, its dashpot's part included: the
+ * slider may go further than the contact, so that parts by themselves would be of either sign. */
 LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(touch) * touch,
                              const struct NAME(memory) * memory, struct NAME(contact_result) * result,
                              struct NAME(sums) * sums)
 {
     const real q = (real_all(1.0) - touch->factor) * real_all(law->inv_kt), slip = q * touch->pull2;
+    NAME(viscous_add)(real_load(memory->sliding), touch->viscous, &sums->stuck, &sums->slid);
     sums->slip = sums->slip + slip;
     sums->slip2 = real_fma(q, slip, sums->slip2);
     sums->power = real_fma(q, touch->power, sums->power);
@@ -56,9 +58,9 @@ LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(tou
 LANES_INLINE void NAME(friction_totals_add)(const struct NAME(totals) * totals, const struct contact_law_constants *law,
                                             double dt_s, const struct law_units *units, struct contact_losses *losses)
 {
-    const double power = units->speed * NAME(doubles_sum)(totals->power);
-    const double vt2 = units->speed * units->speed * NAME(doubles_sum)(totals->vt2);
-    losses->viscous_tangential += law->gamma_t * (dt_s * vt2 - power);
+    const double power = units->speed * NAME(doubles_sum)(totals->power), speed2 = units->speed * units->speed;
+    losses->viscous_tangential += law->gamma_t * dt_s * speed2 * NAME(doubles_sum)(totals->stuck);
     losses->friction += units->force * NAME(doubles_sum)(totals->slip) -
-                        0.5 * law->kt * (NAME(doubles_sum)(totals->slip2) + dt_s * power);
+                        0.5 * law->kt * (NAME(doubles_sum)(totals->slip2) + dt_s * power) +
+                        law->gamma_t * (dt_s * speed2 * NAME(doubles_sum)(totals->slid) - power);
 }

@@ -130,14 +130,15 @@ enum status step_limit_check(const struct sample *sample)
         const struct step_limit limit = step_limit_of(sample, stage);
         if (stage->dt_s <= limit.stable_s)
             continue;
-        char partner[32] = "";
+        char partner[32] = "", place[256];
+        scene_stage_place(scene, stage, place, sizeof place);
         if (limit.contact_axis)
             snprintf(partner, sizeof partner, " with the walls in %c", limit.contact_axis);
         return status_fail(STATUS_CONFIG,
-                           "stage \"%s\": dt_s = %.3g s is too long for the %s contacts of the smallest particles%s "
+                           "%s: dt_s = %.3g s is too long for the %s contacts of the smallest particles%s "
                            "(radius %.3g m, t_c = %.2g s): they bear up to %.2g s; dt_s = \"auto\" is accurate",
-                           stage->name, stage->dt_s, limit.tangential ? "tangential" : "normal", partner,
-                           limit.radius_m, limit.contact_s, limit.stable_s);
+                           place, stage->dt_s, limit.tangential ? "tangential" : "normal", partner, limit.radius_m,
+                           limit.contact_s, limit.stable_s);
     }
     return STATUS_OK;
 }

@@ -8,28 +8,6 @@ double strain_limit_solid_fraction(int dimension, double overlap_ratio)
     return overlap_ratio < 2 ? pow(1 - 0.5 * overlap_ratio, -dimension) : INFINITY;
 }
 
-/* The largest strain that an axis comes to, by its course; of cycles that grow: in `duration_s`. 0: no strain control.
- */
-static double largest_strain(const struct scene_axis *axis, double duration_s)
-{
-    double largest = 0;
-    if (axis->mode != WALL_STRAIN)
-        return 0;
-    if (axis->course == COURSE_TABLE) {
-        for (int k = 0; k < axis->strains.count; k++)
-            largest = fmax(largest, axis->strains.value[k]);
-        return largest;
-    }
-    if (axis->course == COURSE_SMOOTH || (axis->course == COURSE_RATE && axis->strain != 0))
-        return fmax(0, axis->strain);
-    if (axis->course == COURSE_RATE)
-        return 0; /* without an end, until a condition ends the stage */
-    const double grown =
-        axis->strain_growth * floor(floor(duration_s * axis->frequency_hz) / (double)axis->growth_cycles);
-    const double amplitude = fabs(axis->strain) > fabs(axis->strain + grown) ? axis->strain : axis->strain + grown;
-    return axis->two_way ? fabs(amplitude) : fmax(0, amplitude);
-}
-
 /* "walls.x.strain = 0.3, walls.z.strain = 0.5" */
 static void strains_text(const struct sample *sample, const struct scene_stage *stage, char *text, size_t size)
 {
@@ -37,7 +15,7 @@ static void strains_text(const struct sample *sample, const struct scene_stage *
     text[0] = '\0';
     for (int c = 0; c < sample->particles.dimension && used < size; c++) {
         const enum axis name = sample_axis(sample, c);
-        const double strain = largest_strain(&stage->axis[name], stage->duration_s);
+        const double strain = scene_axis_largest_strain(&stage->axis[name], stage->duration_s);
         if (strain > 0)
             used += (size_t)snprintf(text + used, size - used, "%swalls.%c.strain = %g", used ? ", " : "", "xyz"[name],
                                      strain);
@@ -54,7 +32,7 @@ static bool lengths_after(const struct sample *sample, const struct scene_stage 
         const struct scene_axis *axis = &stage->axis[sample_axis(sample, c)];
         const bool strained = axis->mode == WALL_STRAIN;
         known = known && (strained || axis->mode == WALL_FIXED);
-        *smallest *= length[c] * (1 - largest_strain(axis, stage->duration_s));
+        *smallest *= length[c] * (1 - scene_axis_largest_strain(axis, stage->duration_s));
         if (!strained)
             continue;
         /* cycles, tables, and a rate without an end: where they end is not looked at here */
@@ -88,14 +66,14 @@ enum status strain_limit_check(const struct sample *sample, int first)
     for (int s = first; s < sample->scene->n_stages && known; s++) {
         const struct scene_stage *stage = &sample->scene->stage[s];
         const double bears = strain_limit_solid_fraction(dimension, stage->limits.overlap_ratio);
-        char strains[128], place[CONFIG_STRING_MAX + 16];
+        char strains[128], place[256];
         if (may_give_way(sample, stage))
             return STATUS_OK;
         known = lengths_after(sample, stage, length, &smallest);
         if (solid <= bears * smallest)
             continue;
         strains_text(sample, stage, strains, sizeof strains);
-        snprintf(place, sizeof place, "stage \"%s\"", stage->name);
+        scene_stage_place(sample->scene, stage, place, sizeof place);
         return status_fail(
             STATUS_CONFIG,
             "%s: %s would make the box smaller than the particles bear: a solid fraction of %.3g, with no "
