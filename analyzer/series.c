@@ -112,7 +112,7 @@ enum status series_key_value(const struct scene *scene, const char *key, double 
     FILE *stream = open_memstream(&text, &size);
     if (!stream)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    scene_print(stream, scene);
+    scene_print_every_key(stream, scene);
     enum status status = fclose(stream) == 0 ? STATUS_OK : status_fail(STATUS_NO_MEMORY, "out of memory");
     if (status == STATUS_OK)
         status = lookup(text, key, value);

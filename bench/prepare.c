@@ -133,7 +133,7 @@ enum status prepare_scene_file(const struct scene *scene, const char *path)
     FILE *out = fopen(path, "w");
     if (!out)
         return status_fail(STATUS_IO, "%s: %s", path, strerror(errno));
-    scene_print_short(out, scene);
+    scene_print(out, scene);
     bool bad = ferror(out);
     if (fclose(out) != 0 || bad)
         return status_fail(STATUS_IO, "%s cannot be written", path);

@@ -480,8 +480,6 @@ static void print_value(FILE *out, const struct key *key, const void *value)
     }
 }
 
-static bool same_values(const struct key *table, const void *a, const void *b);
-
 static bool same_value(const struct key *key, const void *a, const void *b)
 {
     switch (key->type) {
@@ -499,41 +497,53 @@ static bool same_value(const struct key *key, const void *a, const void *b)
         return memcmp(a, b, sizeof(struct config_floats)) == 0;
     case KEY_BAND:
         return memcmp(a, b, sizeof(struct config_band)) == 0;
-    case KEY_GROUP:
-        return same_values(key->group, a, b);
+    case KEY_GROUP: /* by its members */
+        break;
     }
     return false;
 }
 
-static bool same_values(const struct key *table, const void *a, const void *b)
+/* Of a group within a struct. */
+static struct config_print print_within(struct config_print what, const struct key *key)
 {
-    for (const struct key *key = table; key->name; key++)
-        if (!same_value(key, field_const(a, key), field_const(b, key)))
-            return false;
-    return true;
+    return (struct config_print){.base = what.base ? field_const(what.base, key) : NULL, .applies = what.applies};
 }
 
-void config_print_beside(FILE *out, const struct key *table, const void *target, const void *base, int indent)
+static bool any_printed(const struct key *table, const void *target, struct config_print what);
+
+static bool is_printed(const struct key *table, const struct key *key, const void *target, struct config_print what)
+{
+    const void *value = field_const(target, key);
+    if (key->type == KEY_GROUP)
+        return any_printed(key->group, value, print_within(what, key));
+    return !what.base || !same_value(key, value, field_const(what.base, key)) ||
+           (what.applies && what.applies(table, key, target));
+}
+
+static bool any_printed(const struct key *table, const void *target, struct config_print what)
+{
+    for (const struct key *key = table; key->name; key++)
+        if (is_printed(table, key, target, what))
+            return true;
+    return false;
+}
+
+void config_print(FILE *out, const struct key *table, const void *target, struct config_print what, int indent)
 {
     for (const struct key *key = table; key->name; key++) {
-        const void *value = field_const(target, key), *other = base ? field_const(base, key) : NULL;
-        if (other && same_value(key, value, other))
+        const void *value = field_const(target, key);
+        if (!is_printed(table, key, target, what))
             continue;
         fprintf(out, "%*s%s = ", indent, "", key->name);
         if (key->type == KEY_GROUP) {
             fprintf(out, "{\n");
-            config_print_beside(out, key->group, value, other, indent + 2);
+            config_print(out, key->group, value, print_within(what, key), indent + 2);
             fprintf(out, "%*s}", indent, "");
         } else {
             print_value(out, key, value);
         }
         fprintf(out, ";\n");
     }
-}
-
-void config_print(FILE *out, const struct key *table, const void *target, int indent)
-{
-    config_print_beside(out, table, target, NULL, indent);
 }
 
 static void print_allowed(FILE *out, const struct key *key)

@@ -76,11 +76,18 @@ enum status config_fail(const config_setting_t *setting, const char *where, cons
  * ("stages.1.dt_s=1e-6"). */
 enum status config_override(config_t *config, const char *assignment) MUST_USE;
 
-/* Prints `target` in libconfig syntax, every key, numbers with 17 digits. */
-void config_print(FILE *out, const struct key *table, const void *target, int indent);
+/* Whether a key has a meaning beside the others of its group. */
+typedef bool config_applies(const struct key *table, const struct key *key, const void *group);
 
-/* The same for the keys whose values are not those of `base`, a struct of the same table (NULL: every key). */
-void config_print_beside(FILE *out, const struct key *table, const void *target, const void *base, int indent);
+/* What is printed of a struct: the keys whose values are not those of `base`, a struct of the same table, and those
+ * that `applies` says; `base` NULL: all; `applies` NULL: no more. Groups of which nothing is printed are left out. */
+struct config_print {
+    const void *base;
+    config_applies *applies;
+};
+
+/* Prints `target` in libconfig syntax, numbers with 17 digits. */
+void config_print(FILE *out, const struct key *table, const void *target, struct config_print what, int indent);
 
 /* Prints a Markdown table of the keys; groups recurse with `path` as prefix. */
 void config_print_reference(FILE *out, const struct key *table, const char *path);

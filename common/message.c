@@ -4,10 +4,13 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "common/history_kind.h"
 #include "common/wire.h"
 #include "wire_layout.h"
 
 _Static_assert(offsetof(shakedown_sample_t, time_s) == offsetof(union message, header.time_s), "common header");
+
+_Static_assert(HISTORY_NUMBER == 0 && HISTORY_TANGENT == 1 && HISTORY_ROTATION == 2, "as run_info_t.lcm says");
 
 enum { CHUNKS_MAX = 1 << 20, PARTICLES_MAX = 100 * 1000 * 1000 };
 
@@ -36,13 +39,36 @@ static bool totals_ok(const int64_t *total, int n)
     return true;
 }
 
+/* A name becomes one of a dataset. */
+static bool history_name_ok(const char *name)
+{
+    const size_t length = strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
+    return length > 0 && length < HISTORY_NAME_MAX && name[length] == '\0';
+}
+
+static bool history_ok(const shakedown_run_info_t *info)
+{
+    if (info->n_history > HISTORY_FIELDS_MAX)
+        return false;
+    for (int k = 0; k < info->n_history; k++) {
+        if (!history_name_ok(info->history_name[k]) || strlen(info->history_unit[k]) >= HISTORY_UNIT_MAX ||
+            info->history_kind[k] < 0 || info->history_kind[k] >= HISTORY_KINDS)
+            return false;
+        for (int other = 0; other < k; other++) {
+            if (strcmp(info->history_name[k], info->history_name[other]) == 0)
+                return false;
+        }
+    }
+    return true;
+}
+
 static bool check_run_info(const union message *message)
 {
     const shakedown_run_info_t *info = &message->run_info;
     return dimension_ok(info->dimension) && info->n_particles > 0 && info->n_particles <= PARTICLES_MAX &&
            info->n_stages >= 0 && (info->n_resumed == 0 || info->n_resumed == RECORD_CHANNELS) &&
            info->resumed_frames >= 0 && info->resumed_wall_states >= 0 && info->resumed_wall_states < INT64_MAX / 4 &&
-           totals_ok(info->resumed_total, info->n_resumed);
+           totals_ok(info->resumed_total, info->n_resumed) && history_ok(info);
 }
 
 static bool check_particles(const union message *message)

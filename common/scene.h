@@ -184,8 +184,9 @@ enum precision { PRECISION_DOUBLE, PRECISION_MIXED };
 enum record_walls { RECORD_WALLS_SAMPLED, RECORD_WALLS_FULL };
 
 struct scene_record {
-    int walls;      /* enum record_walls: in every sample, or each exchange */
-    bool event_log; /* also keep the raw messages as run.lcm */
+    int walls;            /* enum record_walls: in every sample, or each exchange */
+    bool event_log;       /* also keep the raw messages as run.lcm */
+    bool contact_history; /* frames hold what contacts remember */
 };
 
 struct scene_neighbor {
@@ -232,12 +233,12 @@ struct scene {
 /* Releases what `scene` owns; harmless for one that is all zero, or was released. */
 void scene_free(struct scene *scene);
 
-/* Writes the effective configuration: every key with the value in force; scene_parse reads it back to the same scene.
- */
+/* Writes the effective configuration: what was set, and defaults where they mean something in this scene; of stages
+ * what they do not have from the scene, or by default. scene_parse reads it back to the same scene. */
 void scene_print(FILE *out, const struct scene *scene);
 
-/* The same, but of stages only what they do not have from the scene, or by default: for messages. */
-void scene_print_short(FILE *out, const struct scene *scene);
+/* The same with every key of the scene and of each stage, whether it means something or not: to look values up. */
+void scene_print_every_key(FILE *out, const struct scene *scene);
 
 /* Writes docs/scene-reference.md. */
 void scene_print_reference(FILE *out);

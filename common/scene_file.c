@@ -256,7 +256,7 @@ static enum status check_message_size(const struct scene *scene, const char *pat
     FILE *out = open_memstream(&effective, &size);
     if (!out)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    scene_print_short(out, scene);
+    scene_print(out, scene);
     bool failed = fclose(out) != 0;
     free(effective);
     if (failed)

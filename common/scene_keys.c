@@ -122,6 +122,13 @@ const struct key scene_wall_material_keys[] = {
     OF_WALL(gamma_t_kg_per_s, "kg/s", 0, INFINITY, "tangential dissipation of contacts with the wall"),
     {0}};
 
+static bool is_one_of(const char *const *names, const char *name)
+{
+    while (*names && strcmp(*names, name) != 0)
+        names++;
+    return *names != NULL;
+}
+
 /* Keys that only some laws take; of these, `needed` ones must be above 0. */
 #define LAW(name) (1u << LAW_##name)
 static const struct law_key {
@@ -405,11 +412,15 @@ static const struct key coupling_keys[] = {
      "sim gives up after this long without an answer from wallctl or the recorder"},
     {0}};
 
-static const struct key record_keys[] = {{"walls", KEY_CHOICE, OF(scene_record, walls), NULL, 0, 0, "sampled",
-                                          walls_names, NULL, "wall states: with every sample, or each exchange"},
-                                         {"event_log", KEY_BOOL, OF(scene_record, event_log), NULL, 0, 0, "false", NULL,
-                                          NULL, "keep the raw messages as run.lcm, for lcm-logplayer and replays"},
-                                         {0}};
+static const struct key record_keys[] = {
+    {"walls", KEY_CHOICE, OF(scene_record, walls), NULL, 0, 0, "sampled", walls_names, NULL,
+     "wall states: with every sample, or each exchange"},
+    {"event_log", KEY_BOOL, OF(scene_record, event_log), NULL, 0, 0, "false", NULL, NULL,
+     "keep the raw messages as run.lcm, for lcm-logplayer and replays"},
+    {"contact_history", KEY_BOOL, OF(scene_record, contact_history), NULL, 0, 0, "true", NULL, NULL,
+     "frames hold what contacts remember (springs, largest overlaps; "
+     "docs/file-format.md): 8 to 56 bytes per contact beside the 56 to 73 of the rest"},
+    {0}};
 
 static const struct key neighbor_keys[] = {
     {"skin_ratio", KEY_FLOAT, OF(scene_neighbor, skin_ratio), NULL, 0, 10, "0", NULL, NULL,
@@ -463,6 +474,44 @@ const struct key scene_keys[] = {
     {"limits", KEY_GROUP, OF(scene, limits), NULL, 0, 0, NULL, NULL, limits_keys, ""},
     {"analysis", KEY_GROUP, OF(scene, analysis), NULL, 0, 0, NULL, NULL, analysis_keys, ""},
     {0}};
+
+/* Keys of the material that another one gives a meaning. */
+static bool material_key_applies(const struct scene_material *material, const char *name)
+{
+    static const char *const of_friction[] = {"mu_d",       "wall_friction", "kt_n_per_m",        "gamma_t_kg_per_s",
+                                              "mu_rolling", "mu_torsion",    "gamma_br_kg_per_s", NULL};
+    static const char *const of_rolling[] = {"kr_n_per_m", "gamma_r_kg_per_s", NULL};
+    static const char *const of_torsion[] = {"ko_n_per_m", "gamma_o_kg_per_s", NULL};
+    if (!scene_law_takes(material->law, name))
+        return false;
+    return (material->mu_s > 0 || !is_one_of(of_friction, name)) &&
+           (material->mu_rolling > 0 || !is_one_of(of_rolling, name)) &&
+           (material->mu_torsion > 0 || !is_one_of(of_torsion, name));
+}
+
+/* Keys of the sample by what it is made from. */
+static bool sample_key_applies(const struct scene_sample *sample, const char *name)
+{
+    static const char *const of_distribution[] = {"radius_distribution", "radius_mean_m", "radius_sd_m",
+                                                  "radius_median_m",     "radius_log_sd", NULL};
+    static const char *const of_file[] = {"overlap_ratio", NULL};
+    static const char *const of_lattice[] = {"gap_ratio", NULL}, *const of_random[] = {"solid_fraction", NULL};
+    static const char *const of_both[] = {"aspect_ratio", "speed_m_per_s", NULL};
+    const int initial = sample->initial;
+    return !is_one_of(of_distribution, name) && (initial == INITIAL_FILE || !is_one_of(of_file, name)) &&
+           (initial == INITIAL_LATTICE || !is_one_of(of_lattice, name)) &&
+           (initial == INITIAL_RANDOM || !is_one_of(of_random, name)) &&
+           (initial == INITIAL_LATTICE || initial == INITIAL_RANDOM || !is_one_of(of_both, name));
+}
+
+bool scene_key_applies(const struct key *table, const struct key *key, const void *group)
+{
+    if (table == axis_keys || table == scene_wall_material_keys || (key->preset && !key->preset[0]))
+        return false;
+    if (table == material_keys)
+        return material_key_applies(group, key->name);
+    return table != sample_keys || sample_key_applies(group, key->name);
+}
 
 const struct key scene_prepare_keys[] = {
     {"to", KEY_CHOICE, OF(scene_prepare, to), NULL, 0, 0, NULL, prepare_names, NULL,

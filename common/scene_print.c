@@ -4,36 +4,34 @@
 #include "common/scene.h"
 #include "common/scene_keys.h"
 
-/* `base`: what a stage is without keys of its own, of which only the others are printed; NULL: all are. */
-static void stage_print(FILE *out, const struct scene_stage *stage, const struct scene_stage *base, bool more)
+static void stage_print(FILE *out, const struct scene_stage *stage, struct config_print what, bool more)
 {
     struct scene_stage named = *stage;
     named.name[named.name_length] = '\0';
     fprintf(out, "  {\n");
-    config_print_beside(out, scene_stage_keys, &named, base, 4);
+    config_print(out, scene_stage_keys, &named, what, 4);
     fprintf(out, "  }%s\n", more ? "," : "");
 }
 
-static void group_print(FILE *out, const struct scene_stage *first, const struct scene_stage *base, bool more)
+static void group_print(FILE *out, const struct scene_stage *first, struct config_print what, bool more)
 {
     fprintf(out, "  {\n    repeat = %lldL;\n    stages = (\n", (long long)first->repeat);
     for (int64_t k = 0; k < first->group_length; k++)
-        stage_print(out, first + k, base, k + 1 < first->group_length);
+        stage_print(out, first + k, what, k + 1 < first->group_length);
     fprintf(out, "    );\n  }%s\n", more ? "," : "");
 }
 
-static void print(FILE *out, const struct scene *scene, const struct scene_stage *base)
+static void stages_print(FILE *out, const struct scene *scene, struct config_print what)
 {
-    config_print(out, scene_keys, scene, 0);
     fprintf(out, "stages = (\n");
     for (int64_t k = 0; k < scene->n_stages;) {
         const struct scene_stage *first = &scene->stage[k];
         if (first->repeat > 0) {
             const int64_t next = k + first->repeat * first->group_length;
-            group_print(out, first, base, next < scene->n_stages);
+            group_print(out, first, what, next < scene->n_stages);
             k = next;
         } else {
-            stage_print(out, first, base, ++k < scene->n_stages);
+            stage_print(out, first, what, ++k < scene->n_stages);
         }
     }
     fprintf(out, ");\n");
@@ -41,14 +39,18 @@ static void print(FILE *out, const struct scene *scene, const struct scene_stage
 
 void scene_print(FILE *out, const struct scene *scene)
 {
-    print(out, scene, NULL);
+    struct scene preset = {0};
+    struct scene_stage start = {0};
+    config_defaults(scene_keys, &preset);
+    scene_stage_start(scene, &start);
+    config_print(out, scene_keys, scene, (struct config_print){&preset, scene_key_applies}, 0);
+    stages_print(out, scene, (struct config_print){&start, NULL});
 }
 
-void scene_print_short(FILE *out, const struct scene *scene)
+void scene_print_every_key(FILE *out, const struct scene *scene)
 {
-    struct scene_stage base = {0};
-    scene_stage_start(scene, &base);
-    print(out, scene, &base);
+    config_print(out, scene_keys, scene, (struct config_print){0}, 0);
+    stages_print(out, scene, (struct config_print){0});
 }
 
 void scene_print_reference(FILE *out)

@@ -1,5 +1,6 @@
 #include "recorder/assembly.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,10 +11,23 @@ static enum status refuse(const char *channel, int frame, int chunk, const char 
 
 struct run_facts run_facts_of(const shakedown_run_info_t *info)
 {
-    return (struct run_facts){.dimension = info->dimension,
+    struct run_facts facts = {.dimension = info->dimension,
                               .n_particles = info->n_particles,
                               .n_walls = 2 * info->dimension,
-                              .frictional = info->frictional != 0};
+                              .frictional = info->frictional != 0,
+                              .n_history = info->n_history};
+    for (int k = 0; k < facts.n_history; k++) {
+        struct contact_field *column = &facts.history[k];
+        snprintf(column->name, sizeof column->name, "%s", info->history_name[k]);
+        snprintf(column->unit, sizeof column->unit, "%s", info->history_unit[k]);
+        column->kind = (enum history_kind)info->history_kind[k];
+    }
+    return facts;
+}
+
+int history_width(const struct contact_field *column)
+{
+    return column->kind == HISTORY_NUMBER ? 1 : 3;
 }
 
 enum status particle_set_init(struct particle_set *set, const struct run_facts *facts)
@@ -175,6 +189,8 @@ void contact_frame_free(struct contact_frame *frame)
     free(frame->normal);
     free(frame->tangential_force_n);
     free(frame->sliding);
+    for (int k = 0; k < HISTORY_FIELDS_MAX; k++)
+        free(frame->history[k]);
     *frame = (struct contact_frame){0};
 }
 
@@ -190,7 +206,7 @@ static enum status grow(void *array, size_t count, size_t size)
 }
 
 /* Makes room for `count` contacts. */
-static enum status contact_frame_reserve(struct contact_frame *frame, int64_t count)
+static enum status contact_frame_reserve(struct contact_frame *frame, const struct run_facts *facts, int64_t count)
 {
     if (count <= frame->capacity)
         return STATUS_OK;
@@ -201,6 +217,8 @@ static enum status contact_frame_reserve(struct contact_frame *frame, int64_t co
     TRY(grow(&frame->normal, 3 * n, sizeof *frame->normal));
     TRY(grow(&frame->tangential_force_n, 3 * n, sizeof *frame->tangential_force_n));
     TRY(grow(&frame->sliding, n, sizeof *frame->sliding));
+    for (int k = 0; k < facts->n_history; k++)
+        TRY(grow(&frame->history[k], (size_t)history_width(&facts->history[k]) * n, sizeof *frame->history[k]));
     frame->capacity = (int64_t)n;
     return STATUS_OK;
 }
@@ -215,6 +233,15 @@ static bool pairs_ok(const struct run_facts *facts, const shakedown_frame_contac
     return true;
 }
 
+/* Values per contact of all fields of the history. */
+static int history_values(const struct run_facts *facts)
+{
+    int values = 0;
+    for (int k = 0; k < facts->n_history; k++)
+        values += history_kind_values(facts->history[k].kind, facts->dimension);
+    return values;
+}
+
 static enum status contact_frame_check(const struct contact_frame *frame, const struct run_facts *facts,
                                        const shakedown_frame_contacts_t *chunk)
 {
@@ -224,9 +251,28 @@ static enum status contact_frame_check(const struct contact_frame *frame, const 
         return refuse(channel, chunk->frame, chunk->chunk, "not the next chunk");
     if (chunk->dimension != facts->dimension || (chunk->n_tangential > 0) != forces || (chunk->n_sliding > 0) != forces)
         return refuse(channel, chunk->frame, chunk->chunk, "its dimension or friction does not fit the run");
+    if (chunk->n_history != (int64_t)chunk->count * history_values(facts))
+        return refuse(channel, chunk->frame, chunk->chunk, "its contacts' history does not fit the run");
     if (!pairs_ok(facts, chunk))
         return refuse(channel, chunk->frame, chunk->chunk, "an id that no particle and no wall has");
     return STATUS_OK;
+}
+
+static void history_add(struct contact_frame *frame, const struct run_facts *facts, int64_t old,
+                        const shakedown_frame_contacts_t *chunk)
+{
+    const double *values = chunk->history;
+    for (int k = 0; k < facts->n_history; k++) {
+        const struct contact_field *column = &facts->history[k];
+        double *rows = frame->history[k] + history_width(column) * old;
+        if (column->kind == HISTORY_NUMBER)
+            memcpy(rows, values, (size_t)chunk->count * sizeof *rows);
+        else if (column->kind == HISTORY_TANGENT)
+            widen((double(*)[3])rows, values, chunk->count, chunk->dimension);
+        else
+            widen_spin((double(*)[3])rows, values, chunk->count, chunk->dimension);
+        values += (int64_t)chunk->count * history_kind_values(column->kind, chunk->dimension);
+    }
 }
 
 enum status contact_frame_add(struct contact_frame *frame, const struct run_facts *facts,
@@ -234,7 +280,7 @@ enum status contact_frame_add(struct contact_frame *frame, const struct run_fact
 {
     TRY(contact_frame_check(frame, facts, chunk));
     int64_t old = chunk->chunk == 0 ? 0 : frame->count;
-    TRY(contact_frame_reserve(frame, old + chunk->count));
+    TRY(contact_frame_reserve(frame, facts, old + chunk->count));
     size_t bytes = (size_t)chunk->count * sizeof(double);
     for (int k = 0; k < chunk->count; k++) {
         frame->pair[2 * (old + k)] = chunk->i[k];
@@ -249,6 +295,8 @@ enum status contact_frame_add(struct contact_frame *frame, const struct run_fact
     if (facts->frictional && chunk->count > 0)
         widen((double(*)[3])(frame->tangential_force_n + 3 * old), chunk->tangential_force_n, chunk->count,
               chunk->dimension);
+    if (chunk->count > 0)
+        history_add(frame, facts, old, chunk);
     frame->count = old + chunk->count;
     *full = place_advance(&frame->place, chunk->n_chunks, chunk->step, chunk->time_s);
     return STATUS_OK;

@@ -4,7 +4,14 @@
 
 #include <stdbool.h>
 
+#include "common/history_kind.h"
 #include "common/message.h"
+
+/* A field of the contacts' history, as RUN_INFO says. */
+struct contact_field {
+    char name[HISTORY_NAME_MAX], unit[HISTORY_UNIT_MAX];
+    enum history_kind kind;
+};
 
 /* What RUN_INFO fixes for all other records. */
 struct run_facts {
@@ -12,7 +19,12 @@ struct run_facts {
     int n_particles; /* N */
     int n_walls;     /* 2 dimension */
     bool frictional;
+    int n_history;
+    struct contact_field history[HISTORY_FIELDS_MAX];
 };
+
+/* Components of a field of the history in run.h5: 1 or 3. */
+int history_width(const struct contact_field *column);
 
 struct run_facts run_facts_of(const shakedown_run_info_t *info);
 
@@ -48,12 +60,13 @@ struct particle_frame {
 struct contact_frame {
     struct frame_place place;
     int64_t count, capacity;
-    int32_t *pair;              /* [count][2] */
-    double *overlap_m;          /* [count] */
-    double *normal_force_n;     /* [count] */
-    double *normal;             /* [count][3] */
-    double *tangential_force_n; /* [count][3], zero without friction */
-    int8_t *sliding;            /* [count], zero without friction */
+    int32_t *pair;                       /* [count][2] */
+    double *overlap_m;                   /* [count] */
+    double *normal_force_n;              /* [count] */
+    double *normal;                      /* [count][3] */
+    double *tangential_force_n;          /* [count][3], zero without friction */
+    int8_t *sliding;                     /* [count], zero without friction */
+    double *history[HISTORY_FIELDS_MAX]; /* of each field of the run [count][history_width] */
 };
 
 enum status particle_set_init(struct particle_set *set, const struct run_facts *facts) MUST_USE;

@@ -10,6 +10,7 @@
 
 #define TRAJECTORY "/particles/trajectory"
 #define CONTACTS   "/connectivity/contacts"
+#define HISTORY    CONTACTS "/history"
 
 /* What this program takes of a file that claims more than any run has. */
 static const hsize_t ROWS_MAX = 1000000000;
@@ -201,13 +202,26 @@ static herr_t particle_column(hid_t parent, const char *name, const H5L_info_t *
     return listing->status == STATUS_OK ? 0 : 1;
 }
 
+/* What contacts remember: history_NAME. */
+static herr_t remembered_column(hid_t parent, const char *name, const H5L_info_t *link, void *user)
+{
+    struct listing *listing = user;
+    char path[160], own[COLUMN_NAME_MAX];
+    (void)parent;
+    if (link->type != H5L_TYPE_HARD || !is_word(name) || strlen(name) + sizeof "history_" > sizeof own)
+        return 0;
+    snprintf(path, sizeof path, HISTORY "/%s", name);
+    snprintf(own, sizeof own, "history_%.*s", (int)(sizeof own - sizeof "history_"), name);
+    listing->status = column_add(&listing->run->contacts, listing->run->file, path, own, 0, listing->contacts);
+    return listing->status == STATUS_OK ? 0 : 1;
+}
+
 static herr_t contact_column(hid_t parent, const char *name, const H5L_info_t *link, void *user)
 {
     struct listing *listing = user;
     char path[160];
-    (void)parent;
     if (link->type != H5L_TYPE_HARD || !is_word(name) || strcmp(name, "step") == 0 || strcmp(name, "time") == 0 ||
-        strcmp(name, "offset") == 0)
+        strcmp(name, "offset") == 0 || is_group(parent, name))
         return 0;
     snprintf(path, sizeof path, CONTACTS "/%s", name);
     listing->status = column_add(&listing->run->contacts, listing->run->file, path, name, 0, listing->contacts);
@@ -275,6 +289,8 @@ static enum status contacts_open(struct run_frames *run)
     TRY(rows_of(run->file, CONTACTS "/pair", &listing.contacts));
     TRY(offsets_check(run, listing.contacts));
     TRY(group_list(run->file, CONTACTS, contact_column, &listing));
+    if (H5Lexists(run->file, HISTORY, H5P_DEFAULT) > 0)
+        TRY(group_list(run->file, HISTORY, remembered_column, &listing));
     column_first(contacts, "pair");
     TRY(want(contacts, CONTACTS, "pair", 2));
     TRY(want(contacts, CONTACTS, "overlap", 1));

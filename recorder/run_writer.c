@@ -91,6 +91,7 @@ struct run_writer {
     struct run_facts facts;
     double radius_max_m;
     struct h5_series series[N_SERIES];
+    struct h5_series history[HISTORY_FIELDS_MAX]; /* of contacts */
     struct table *samples;
     struct table *observables; /* of the samples, those at the frames */
     struct observed observed;
@@ -133,6 +134,21 @@ static enum status series_create(struct run_writer *writer, enum series_id id)
                             &layout, series_table[id].unit, &writer->series[id]);
 }
 
+/* A dataset for each field of the contacts' history. */
+static enum status history_create(struct run_writer *writer)
+{
+    for (int k = 0; k < writer->facts.n_history; k++) {
+        const struct contact_field *column = &writer->facts.history[k];
+        const hsize_t width = (hsize_t)history_width(column);
+        const struct h5_layout layout = {.chunk = {CONTACT_BLOCK, width}};
+        char path[sizeof CONTACTS "/history/" + HISTORY_NAME_MAX];
+        snprintf(path, sizeof path, CONTACTS "/history/%s", column->name);
+        TRY(h5_series_create(writer->file, path, H5T_NATIVE_DOUBLE, width > 1 ? 2 : 1, &width, &layout, column->unit,
+                             &writer->history[k]));
+    }
+    return STATUS_OK;
+}
+
 static enum status frames_create(struct run_writer *writer)
 {
     const int64_t zero = 0;
@@ -145,6 +161,7 @@ static enum status frames_create(struct run_writer *writer)
         if (frictional || !frame_links[k].only_with_friction)
             TRY(h5_link(writer->file, frame_links[k].target, frame_links[k].name));
     }
+    TRY(history_create(writer));
     return h5_series_append(&writer->series[SERIES_CONTACT_OFFSET], 1, &zero);
 }
 
@@ -332,6 +349,8 @@ static enum status writer_new(struct run_writer **result, const shakedown_run_in
     writer->facts = run_facts_of(info);
     for (int id = 0; id < N_SERIES; id++)
         writer->series[id].id = H5I_INVALID_HID;
+    for (int k = 0; k < HISTORY_FIELDS_MAX; k++)
+        writer->history[k].id = H5I_INVALID_HID;
     writer->notes.id = writer->note_type = H5I_INVALID_HID;
     return STATUS_OK;
 }
@@ -473,6 +492,8 @@ enum status run_writer_contact_frame(struct run_writer *writer, const struct con
                                 {SERIES_CONTACT_OFFSET, &offset},
                                 {N_SERIES, NULL}};
     TRY(rows_append(writer, contacts, (hsize_t)frame->count));
+    for (int k = 0; k < writer->facts.n_history; k++)
+        TRY(h5_series_append(&writer->history[k], (hsize_t)frame->count, frame->history[k]));
     TRY(rows_append(writer, place, 1));
     writer->contacts = offset;
     return STATUS_OK;
@@ -542,6 +563,8 @@ static enum status all_close(struct run_writer *writer)
 {
     for (int id = 0; id < N_SERIES; id++)
         TRY(h5_series_close(&writer->series[id]));
+    for (int k = 0; k < HISTORY_FIELDS_MAX; k++)
+        TRY(h5_series_close(&writer->history[k]));
     TRY(h5_series_close(&writer->notes));
     if (H5Tclose(writer->note_type) < 0)
         return status_fail(STATUS_IO, "run.h5: a type cannot be closed");

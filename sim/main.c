@@ -19,7 +19,7 @@ static const char usage[] =
     "  --controller TEXT  record that this program commands the walls in place of wallctl\n"
     "  --check       only read and check the scene and its time steps, with --resume the checkpoint too\n"
     "  --explain     print what the scene models and what it costs\n"
-    "  --effective   print every key with the value in force\n"
+    "  --effective   print the scene with all values that count in it\n"
     "sim --replay LOG SCENE [--run-id N] [--set key=value]... [--seed N]\n"
     "  carries out the wall commands in an event log again and compares the wall states with those in the log, bit for "
     "bit\n"

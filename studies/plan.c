@@ -24,7 +24,7 @@ static enum status scene_text(const struct scene *scene, char **text, char hash[
     FILE *out = open_memstream(text, &size);
     if (!out)
         return no_memory();
-    scene_print_short(out, scene);
+    scene_print(out, scene);
     if (fclose(out) != 0)
         return no_memory();
     snprintf(hash, PLAN_HASH_MAX, "%016" PRIx64, files_hash(*text));

@@ -42,3 +42,9 @@ endforeach()
 add_test(NAME export COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_export.sh $<TARGET_FILE:sim> $<TARGET_FILE:recorder>
                              $<TARGET_FILE:shakedown-export> ${PROJECT_SOURCE_DIR}/scenes/triaxial_quick.cfg)
 set_tests_properties(export PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 125)
+
+# Simulator and recorder in one program: what frames say of the contacts' history.
+add_executable(test_frames test_frames.c)
+target_link_libraries(test_frames PRIVATE sim_fixture test_recorder_support)
+add_test(NAME frames COMMAND test_frames)
+set_tests_properties(frames PROPERTIES LABELS unit TIMEOUT 120)

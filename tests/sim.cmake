@@ -29,7 +29,8 @@ add_test(NAME sim_bad_scenes
 set_tests_properties(sim_bad_scenes PROPERTIES LABELS unit TIMEOUT 60)
 
 # Parts of the simulator, and every scene that is shipped.
-file(GLOB SHIPPED_SCENES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/scenes/*.cfg)
+file(GLOB SHIPPED_SCENES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/scenes/*.cfg
+     ${PROJECT_SOURCE_DIR}/scenes/benchmarks/*.cfg ${PROJECT_SOURCE_DIR}/bench/*.cfg)
 add_executable(test_sim_unit ${CMAKE_CURRENT_LIST_DIR}/test_sim_unit.c)
 target_link_libraries(test_sim_unit PRIVATE sim_fixture)
 add_test(NAME sim_unit COMMAND test_sim_unit ${CMAKE_CURRENT_LIST_DIR}/scenes/small.cfg ${SHIPPED_SCENES})

@@ -54,11 +54,13 @@ expect 0 'frames of 216 particles' "$export" . --lammps-dump
 summary='
     function place(name, k) { for (k = 1; k <= NF; k++) if ($k == name) return k; print "no column " name; exit 1 }
     FNR == 1 { file++; if (file == 1 && place("box_lo_z_m") != 7) exit 1; if (file == 2) z = place("position_z_m")
-        if (file == 3) { x = place("force_x_n"); y = place("force_y_n"); w = place("force_z_n"); j = place("pair_j") } next }
+        if (file == 3) { x = place("force_x_n"); y = place("force_y_n"); w = place("force_z_n"); j = place("pair_j")
+            sx = place("history_spring_x_m"); sy = place("history_spring_y_m"); sz = place("history_spring_z_m") } next }
     file == 1 { last = $1; frames++; lo = $7 }
     file == 2 && $1 == last { particles++; if ($z > top) top = $z }
-    file == 3 && $1 == last { contacts++; walls += $j < 0; sum += sqrt($x ^ 2 + $y ^ 2 + $w ^ 2) }
-    END { printf "found particles %d contacts %d force %.9e top %.6e\n", particles, contacts, sum, top
+    file == 3 && $1 == last { contacts++; walls += $j < 0; sum += sqrt($x ^ 2 + $y ^ 2 + $w ^ 2)
+        springs += sqrt($sx ^ 2 + $sy ^ 2 + $sz ^ 2) }
+    END { printf "found particles %d contacts %d force %.9e springs %.9e top %.6e\n", particles, contacts, sum, springs, top
           printf "found particles %d top %.4e\n", particles, top - lo >"shifted.txt"; print walls >"walls.txt" }'
 LC_ALL=C awk -F, "$summary" csv/frames.csv csv/particles.csv csv/contacts.csv >expected.txt || fail "tables"
 grep -q 'particles 216 contacts [1-9]' expected.txt || fail "tables: $(cat expected.txt)"
@@ -76,8 +78,9 @@ first, end = contacts["offset"][-2:]
 force = contacts["normal_force"][first:end][:, None] * contacts["normal"][first:end]
 force += contacts["tangential_force"][first:end]
 position = run["particles/trajectory/position/value"][-1]
-print("found particles %d contacts %d force %.9e top %.6e" %
-      (len(position), end - first, numpy.sqrt((force**2).sum(axis=1)).sum(), position[:, 2].max()))
+springs = numpy.sqrt((contacts["history/spring"][first:end]**2).sum(axis=1)).sum()
+print("found particles %d contacts %d force %.9e springs %.9e top %.6e" %
+      (len(position), end - first, numpy.sqrt((force**2).sum(axis=1)).sum(), springs, position[:, 2].max()))
 PY
     "$python" read.py >said.txt 2>&1 || fail "h5py"
     agree "h5py, of run.h5 itself"
@@ -118,8 +121,9 @@ assert contacts.VTKObject.GetNumberOfLines() == len(pair)
 assert (particles.PointData["id"] == numpy.arange(len(particles.Points))).all()
 force = numpy.array(contacts.CellData["force"])
 print("frames", frames)
-print("found particles %d contacts %d force %.9e top %.6e" %
-      (len(particles.Points), len(pair), numpy.sqrt((force**2).sum(axis=1)).sum(), particles.Points[:, 2].max()))
+springs = numpy.sqrt((numpy.array(contacts.CellData["history_spring"])**2).sum(axis=1)).sum()
+print("found particles %d contacts %d force %.9e springs %.9e top %.6e" %
+      (len(particles.Points), len(pair), numpy.sqrt((force**2).sum(axis=1)).sum(), springs, particles.Points[:, 2].max()))
 PY
     pvpython read.py >said.txt 2>&1 || fail "ParaView"
     agree ParaView
@@ -169,6 +173,9 @@ LMP
 else
     echo "SKIPPED: LAMMPS is not installed"
 fi
+
+grep -q '^ITEM: ENTRIES .* history_spring\[1\] history_spring\[2\] history_spring\[3\]' lammps-dump/contacts.dump ||
+    fail "contacts.dump has no springs"
 
 # Contacts between particles and with walls stand in files of their own.
 entries=$(awk '/NUMBER OF ENTRIES/ { getline; last = $1 } END { print last }' lammps-dump/wall_contacts.dump)

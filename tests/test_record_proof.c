@@ -174,7 +174,7 @@ static void give(struct bench *bench, const struct synthetic_message *message)
 static size_t free_byte(const struct synthetic_message *message)
 {
     return message->kind == RECORD_FRAME_PARTICLES  ? message->size - 5
-           : message->kind == RECORD_FRAME_CONTACTS ? message->size - 9
+           : message->kind == RECORD_FRAME_CONTACTS ? message->size - 13
                                                     : 39;
 }
 

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "common/coupling.h"
+#include "common/history_kind.h"
 #include "common/message.h"
 #include "recorder/convert.h"
 #include "recorder/observed.h"
@@ -277,6 +278,117 @@ static void test_friction_columns(void **state)
     free(spin);
     free(sliding);
     assert_true(H5Fclose(file) >= 0);
+    bench_close(&bench);
+}
+
+/* Numbers, vectors and rotations that contacts remember, in 2D and 3D. */
+static void check_history(int dimension)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    options.frictional = true;
+    options.dimension = dimension;
+    bench_open(&bench, &options);
+    give_all(&bench);
+    finish_complete(&bench);
+    hid_t file = read_open(bench.directory);
+    double *depth = read_values(file, "/connectivity/contacts/history/depth");
+    double *overlap = read_values(file, "/connectivity/contacts/overlap");
+    double *way = read_values(file, "/connectivity/contacts/history/way");
+    double *normal = read_values(file, "/connectivity/contacts/normal");
+    double *roll = read_values(file, "/connectivity/contacts/history/roll");
+    const long rows = read_rows(file, "/connectivity/contacts/overlap");
+    assert_true(rows > 100 && read_rows(file, "/connectivity/contacts/history/depth") == rows);
+    assert_true(read_text_is(file, "/connectivity/contacts/history/way", "unit_si", "N"));
+    for (long k = 0; k < rows; k++) {
+        assert_true(depth[k] == overlap[k]);
+        for (int c = 0; c < 3; c++)
+            assert_true(way[3 * k + c] == normal[3 * k + c]);
+        for (int c = 0; c < 3; c++)
+            assert_true(roll[3 * k + c] == (dimension == 3 ? -(c + 0.5) : c == 1 ? -0.5 : 0.0));
+    }
+    free(depth);
+    free(overlap);
+    free(way);
+    free(normal);
+    free(roll);
+    assert_true(H5Fclose(file) >= 0);
+    bench_close(&bench);
+}
+
+static void test_history(void **state)
+{
+    (void)state;
+    check_history(2);
+    check_history(3);
+}
+
+/* Encodes and decodes. */
+static enum status decoded(shakedown_run_info_t *info)
+{
+    unsigned char bytes[4096];
+    union message message;
+    const int size = shakedown_run_info_t_encode(bytes, 0, sizeof bytes, info);
+    assert_true(size > 0);
+    const enum status status = message_decode(RECORD_RUN_INFO, bytes, (size_t)size, &message);
+    if (status == STATUS_OK)
+        message_free(RECORD_RUN_INFO, &message);
+    return status;
+}
+
+/* Names become those of datasets: neither paths nor twice the same. */
+static void test_bad_history(void **state)
+{
+    static const char *const bad_names[] = {
+        "", "../walls", "a/b", "spring ", "other", "a_name_that_is_longer_than_any_that_a_law_may_have"};
+    char *name[] = {"spring", "other"}, *unit[] = {"m", "N"};
+    int8_t kind[] = {HISTORY_TANGENT, HISTORY_NUMBER};
+    shakedown_run_info_t info = {.name = "",
+                                 .version = "",
+                                 .kernel_set = "",
+                                 .scene_text = "",
+                                 .effective_config = "",
+                                 .controller = "",
+                                 .dimension = 3,
+                                 .n_particles = 1,
+                                 .n_history = 2,
+                                 .history_name = name,
+                                 .history_unit = unit,
+                                 .history_kind = kind};
+    struct bench bench;
+    (void)state;
+    assert_int_equal(decoded(&info), STATUS_OK);
+    for (size_t k = 0; k < sizeof bad_names / sizeof *bad_names; k++) {
+        name[0] = (char *)(uintptr_t)bad_names[k];
+        assert_int_equal(decoded(&info), STATUS_FORMAT);
+    }
+    name[0] = "spring";
+    kind[1] = HISTORY_KINDS;
+    assert_int_equal(decoded(&info), STATUS_FORMAT);
+    kind[1] = HISTORY_NUMBER;
+    unit[0] = "a unit that no law has";
+    assert_int_equal(decoded(&info), STATUS_FORMAT);
+
+    /* a chunk that says less than RUN_INFO promised is no part of the run */
+    struct synthetic_options options = synthetic_default;
+    options.frictional = true;
+    bench_open(&bench, &options);
+    const size_t at = find(&bench.run, RECORD_FRAME_CONTACTS, 1);
+    for (size_t k = 0; k < at; k++)
+        give(&bench, &bench.run.messages[k]);
+    union message chunk;
+    unsigned char bytes[BUS_MESSAGE_MAX];
+    const struct synthetic_message *whole = &bench.run.messages[at];
+    assert_int_equal(message_decode(whole->kind, whole->data, whole->size, &chunk), STATUS_OK);
+    assert_true(chunk.frame_contacts.n_history > 0);
+    chunk.frame_contacts.n_history--;
+    const int size = shakedown_frame_contacts_t_encode(bytes, 0, sizeof bytes, &chunk.frame_contacts);
+    give_bytes(&bench, whole->kind, bytes, (size_t)size);
+    assert_int_equal(recording_drops(bench.recording)->malformed, 1);
+    chunk.frame_contacts.n_history++;
+    message_free(whole->kind, &chunk);
+    give_all(&bench);
+    finish_complete(&bench);
     bench_close(&bench);
 }
 
@@ -866,6 +978,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_friction_columns),
+        cmocka_unit_test(test_history),
+        cmocka_unit_test(test_bad_history),
         cmocka_unit_test(test_frames_take_their_samples),
         cmocka_unit_test(test_checkpoint_and_end_wait_for_all),
         cmocka_unit_test(test_gaps_and_repeats),

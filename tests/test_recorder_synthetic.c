@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/history_kind.h"
 #include "common/record_hash.h"
 
 const struct synthetic_options synthetic_default = {
@@ -122,6 +123,9 @@ static void add_run_info(struct synthetic_run *run)
              "stages = ( { name = \"only\"; dt_s = 1e-6; duration_s = 1.0; } );\n",
              options->dimension, options->n_particles, options->walls ? "full" : "sampled",
              options->event_log ? "true" : "false");
+    /* one of each kind, with friction: as the overlap, as the normal, and as its reverse */
+    static const char *const name[] = {"depth", "way", "roll"}, *const unit[] = {"m", "N", "1"};
+    static const int8_t kind[] = {HISTORY_NUMBER, HISTORY_TANGENT, HISTORY_ROTATION};
     union message message = {.run_info = {.name = "synthetic",
                                           .version = "0.1.0",
                                           .kernel_set = "none",
@@ -132,7 +136,11 @@ static void add_run_info(struct synthetic_run *run)
                                           .dimension = options->dimension,
                                           .n_particles = options->n_particles,
                                           .n_stages = 1,
-                                          .frictional = options->frictional}};
+                                          .frictional = options->frictional,
+                                          .n_history = options->frictional ? 3 : 0,
+                                          .history_name = (char **)(uintptr_t)name,
+                                          .history_unit = (char **)(uintptr_t)unit,
+                                          .history_kind = (int8_t *)(uintptr_t)kind}};
     synthetic_add(run, RECORD_RUN_INFO, &message);
 }
 
@@ -231,6 +239,7 @@ static void add_frame_contacts(struct synthetic_run *run, int frame)
     for (int chunk = 0; chunk < chunk_count(n); chunk++) {
         int32_t i[SYNTHETIC_CHUNK], j[SYNTHETIC_CHUNK];
         double overlap_m[SYNTHETIC_CHUNK], normal[3 * SYNTHETIC_CHUNK];
+        double history[7 * SYNTHETIC_CHUNK];
         int8_t sliding[SYNTHETIC_CHUNK];
         int first = chunk * SYNTHETIC_CHUNK, count = chunk_size(n, chunk);
         for (int k = 0; k < count; k++) {
@@ -241,6 +250,11 @@ static void add_frame_contacts(struct synthetic_run *run, int frame)
         }
         for (int k = 0; k < count * d; k++)
             normal[k] = k % d + 0.5;
+        const int spins = 2 * d - 3;
+        memcpy(history, overlap_m, (size_t)count * sizeof *history);
+        memcpy(history + count, normal, (size_t)(count * d) * sizeof *history);
+        for (int k = 0; k < count * spins; k++)
+            history[count * (1 + d) + k] = -(k % spins + 0.5);
         bool frictional = run->options.frictional;
         union message message = {.frame_contacts = {.step = 100 * frame,
                                                     .time_s = 1e-2 * frame,
@@ -258,7 +272,9 @@ static void add_frame_contacts(struct synthetic_run *run, int frame)
                                                     .n_tangential = frictional ? count * d : 0,
                                                     .tangential_force_n = normal,
                                                     .n_sliding = frictional ? count : 0,
-                                                    .sliding = sliding}};
+                                                    .sliding = sliding,
+                                                    .n_history = frictional ? count * (1 + d + spins) : 0,
+                                                    .history = history}};
         synthetic_add(run, RECORD_FRAME_CONTACTS, &message);
     }
 }

@@ -337,6 +337,19 @@ static bool same_scene(const struct scene *a, const struct scene *b)
     return same;
 }
 
+/* As a user would: saved, then loaded, tables of grains and all. */
+static struct scene *saved_and_loaded(const char *text)
+{
+    char path[] = "/tmp/shakedown-effective-XXXXXX";
+    const int file = mkstemp(path);
+    assert_true(file >= 0);
+    assert_int_equal(write(file, text, strlen(text)), strlen(text));
+    assert_int_equal(close(file), 0);
+    struct scene *scene = loaded(path, NULL, 0);
+    assert_int_equal(unlink(path), 0);
+    return scene;
+}
+
 static void effective_configurations_read_back(void **state)
 {
     (void)state;
@@ -344,12 +357,56 @@ static void effective_configurations_read_back(void **state)
     for (int k = 0; k < n_scene_files; k++) {
         struct scene *scene = loaded(scene_files[k], NULL, 0);
         char *text = printed(scene);
-        struct scene *again = fixture_scene_of(text);
+        struct scene *again = saved_and_loaded(text);
         if (!same_scene(scene, again))
             fail_msg("%s does not read back", scene_files[k]);
+        char *once_more = printed(again);
+        assert_string_equal(text, once_more);
+        free(once_more);
         free(text);
         fixture_scene_free(scene);
         fixture_scene_free(again);
+    }
+}
+
+/* Of what nobody set the effective configuration says what means something, and no more. */
+static void effective_configurations_say_what_counts(void **state)
+{
+    static const struct {
+        const char *material, *more; /* of a scene in 2D */
+        const char *said[4], *unsaid[8];
+    } cases[] = {
+        {"kn_n_per_m = 1e5;",
+         "",
+         {"  law = \"linear\";", "  gap_ratio = 0.01", "  mu_s = 0.0;"},
+         {"walls = {", "k1_n_per_m", "youngs_modulus_pa", "kt_n_per_m", "mu_rolling", "radius_sd_m", "gravity"}},
+        {"kn_n_per_m = 1e5; mu_s = 0.3; kt_n_per_m = 2e4;",
+         "",
+         {"  mu_rolling = 0.0;", "  wall_friction = 1.0;"},
+         {"kr_n_per_m", "ko_n_per_m", "walls = {"}},
+        {"law = \"hertz\"; youngs_modulus_pa = 1e8;",
+         "walls = { x = { material = { youngs_modulus_pa = 2e8; }; }; };",
+         {"  poisson_ratio = 0.0;", "  restitution = 1.0;", "walls = {", "      youngs_modulus_pa = 2"},
+         {"kn_n_per_m", "gamma_n_kg_per_s", "particles", "  y = {", "  z = {", "phi_f"}},
+    };
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char scene_text[1024];
+        snprintf(
+            scene_text, sizeof scene_text,
+            "dimension = 2; %s material = { %s };\nsample = { count = 4; radius_min_m = 1e-3; radius_max_m = 1e-3; "
+            "density_kg_per_m3 = 2000; };\nstages = ( { name = \"a\"; dt_s = 1e-6; duration_s = 1e-3; } );",
+            cases[k].more, cases[k].material);
+        struct scene *scene = fixture_scene_of(scene_text);
+        char *text = printed(scene);
+        for (int n = 0; n < 4 && cases[k].said[n]; n++)
+            if (!strstr(text, cases[k].said[n]))
+                fail_msg("%s is not in\n%s", cases[k].said[n], text);
+        for (int n = 0; n < 8 && cases[k].unsaid[n]; n++)
+            if (strstr(text, cases[k].unsaid[n]))
+                fail_msg("%s is in\n%s", cases[k].unsaid[n], text);
+        free(text);
+        fixture_scene_free(scene);
     }
 }
 
@@ -554,6 +611,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(open_steps_change_nothing),
         cmocka_unit_test(the_skin_changes_nothing),
         cmocka_unit_test(effective_configurations_read_back),
+        cmocka_unit_test(effective_configurations_say_what_counts),
         cmocka_unit_test(overrides_reach_their_keys),
         cmocka_unit_test(chunks_fit_into_messages),
         cmocka_unit_test(lengths_that_are_known),

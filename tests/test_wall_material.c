@@ -183,7 +183,7 @@ static void stages_take_over(void **state)
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     assert_non_null(out);
-    scene_print_short(out, scene);
+    scene_print(out, scene);
     assert_int_equal(fclose(out), 0);
     struct scene *again = fixture_scene_of(text);
     for (int s = 0; s < 2; s++)

@@ -80,7 +80,7 @@ void contact_list_read(struct contact_list *list);
 /* Column c of the history of member k as it is now, without contact_list_read; a spring (Mindlin: its
  * force) with what rounding left out; whether a contact slides. */
 double contact_list_value(const struct contact_list *list, int c, int k);
-double contact_list_whole(const struct contact_list *list, int c, int rest, int k); /* column c with its rest */
+double contact_list_whole(const struct contact_list *list, int c, int k); /* column c with its rest */
 double contact_list_spring(const struct contact_list *list, int component, int k);
 bool contact_list_slides(const struct contact_list *list, int k);
 

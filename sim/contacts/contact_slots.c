@@ -286,17 +286,17 @@ double contact_list_value(const struct contact_list *list, int c, int k)
     return get(list, list->slots.history[c], list->slot[k] / 2) / into_slot(list, c, k);
 }
 
-double contact_list_whole(const struct contact_list *list, int c, int rest, int k)
+double contact_list_whole(const struct contact_list *list, int c, int k)
 {
+    const int rest = history_field(c)->rest;
     const double value = contact_list_value(list, c, k);
-    return list->model.single ? value + contact_list_value(list, rest, k) : value;
+    return list->model.single && rest ? value + contact_list_value(list, rest, k) : value;
 }
 
 double contact_list_spring(const struct contact_list *list, int component, int k)
 {
     const bool force = list->model.traits & NORMAL_MINDLIN;
-    return contact_list_whole(list, (force ? HISTORY_FORCE : HISTORY_SPRING) + component,
-                              (force ? HISTORY_FORCE_REST : HISTORY_SPRING_REST) + component, k);
+    return contact_list_whole(list, (force ? HISTORY_FORCE : HISTORY_SPRING) + component, k);
 }
 
 bool contact_list_slides(const struct contact_list *list, int k)

@@ -37,43 +37,33 @@ struct row {
 
 #define NUMBER(name_, unit_, length_, has_)                                                                            \
     {                                                                                                                  \
-        {.name = name_, .unit = unit_, .component = -1, .length = length_}, has_                                       \
-    }
-#define COMPONENT(name_, unit_, c, rest_, force_, has_)                                                                \
-    {                                                                                                                  \
-        {.name = name_, .unit = unit_, .component = c, .odd = true, .rest = rest_, .force = force_}, has_              \
+        {.name = name_, .unit = unit_, .kind = HISTORY_NUMBER, .component = -1, .length = length_}, has_               \
     }
 
-/* a' (omega_i - omega_j) changes its sign with i and j in any dimension; along n it does not */
-#define ROLLED(name_, c, rest_)                                                                                        \
+#define COMPONENT(name_, unit_, kind_, c, rest_, is_rest_, force_, has_)                                               \
     {                                                                                                                  \
-        {.name = name_, .unit = "m", .component = c, .odd = true, .odd_in_plane = true, .rest = rest_}, has_rolling    \
+        {.name = name_, .unit = unit_, .kind = kind_, .component = c, .rest = rest_, .force = force_,                  \
+         .is_rest = is_rest_},                                                                                         \
+            has_                                                                                                       \
     }
+/* Three components, and the three of what rounding leaves out of them. */
+#define VECTOR(column, rest_, name_, unit_, kind_, force_, has_)                                                       \
+    [column] = COMPONENT(name_, unit_, kind_, 0, rest_, false, force_, has_),                                          \
+    [column + 1] = COMPONENT(name_, unit_, kind_, 1, rest_ + 1, false, force_, has_),                                  \
+    [column + 2] = COMPONENT(name_, unit_, kind_, 2, rest_ + 2, false, force_, has_),                                  \
+    [rest_] = COMPONENT(name_ "_rest", unit_, kind_, 0, 0, true, force_, has_),                                        \
+    [rest_ + 1] = COMPONENT(name_ "_rest", unit_, kind_, 1, 0, true, force_, has_),                                    \
+    [rest_ + 2] = COMPONENT(name_ "_rest", unit_, kind_, 2, 0, true, force_, has_)
 
 static const struct row table[HISTORY_COLUMNS] = {
     [HISTORY_MAX_OVERLAP] = NUMBER("max_overlap", "m", true, has_max_overlap),
-    [HISTORY_SPRING] = COMPONENT("spring", "m", 0, false, false, has_spring),
-    [HISTORY_SPRING + 1] = COMPONENT("spring", "m", 1, false, false, has_spring),
-    [HISTORY_SPRING + 2] = COMPONENT("spring", "m", 2, false, false, has_spring),
-    [HISTORY_SPRING_REST] = COMPONENT("spring_rest", "m", 0, true, false, has_spring),
-    [HISTORY_SPRING_REST + 1] = COMPONENT("spring_rest", "m", 1, true, false, has_spring),
-    [HISTORY_SPRING_REST + 2] = COMPONENT("spring_rest", "m", 2, true, false, has_spring),
-    [HISTORY_FORCE] = COMPONENT("tangential_force", "N", 0, false, true, has_force),
-    [HISTORY_FORCE + 1] = COMPONENT("tangential_force", "N", 1, false, true, has_force),
-    [HISTORY_FORCE + 2] = COMPONENT("tangential_force", "N", 2, false, true, has_force),
-    [HISTORY_FORCE_REST] = COMPONENT("tangential_force_rest", "N", 0, true, true, has_force),
-    [HISTORY_FORCE_REST + 1] = COMPONENT("tangential_force_rest", "N", 1, true, true, has_force),
-    [HISTORY_FORCE_REST + 2] = COMPONENT("tangential_force_rest", "N", 2, true, true, has_force),
+    VECTOR(HISTORY_SPRING, HISTORY_SPRING_REST, "spring", "m", HISTORY_TANGENT, false, has_spring),
+    VECTOR(HISTORY_FORCE, HISTORY_FORCE_REST, "tangential_force", "N", HISTORY_TANGENT, true, has_force),
     [HISTORY_CONTACT_RADIUS] = NUMBER("contact_radius", "m", true, has_force),
     [HISTORY_SLIDING] = NUMBER("sliding", "1", false, has_friction),
-    [HISTORY_ROLLING] = ROLLED("rolling_spring", 0, false),
-    [HISTORY_ROLLING + 1] = ROLLED("rolling_spring", 1, false),
-    [HISTORY_ROLLING + 2] = ROLLED("rolling_spring", 2, false),
-    [HISTORY_ROLLING_REST] = ROLLED("rolling_spring_rest", 0, true),
-    [HISTORY_ROLLING_REST + 1] = ROLLED("rolling_spring_rest", 1, true),
-    [HISTORY_ROLLING_REST + 2] = ROLLED("rolling_spring_rest", 2, true),
-    [HISTORY_TORSION] = NUMBER("torsion_spring", "m", false, has_torsion),
-    [HISTORY_TORSION_REST] = {{.name = "torsion_spring_rest", .unit = "m", .component = -1, .rest = true}, has_torsion},
+    VECTOR(HISTORY_ROLLING, HISTORY_ROLLING_REST, "rolling_spring", "m", HISTORY_ROTATION, false, has_rolling),
+    [HISTORY_TORSION] = COMPONENT("torsion_spring", "m", HISTORY_NUMBER, -1, HISTORY_TORSION_REST, false, false, has_torsion),
+    [HISTORY_TORSION_REST] = COMPONENT("torsion_spring_rest", "m", HISTORY_NUMBER, -1, 0, true, false, has_torsion),
 };
 
 const struct history_field *history_field(int c)
@@ -85,10 +75,22 @@ bool history_has(const struct contact_model *model, int c)
 {
     const struct history_field *field = &table[c].field;
     const int components = model->dimension == 2 ? 1 : 3;
-    return table[c].has(model) && field->component < components && (model->single || !field->rest);
+    return table[c].has(model) && field->component < components && (model->single || !field->is_rest);
 }
 
 bool history_is_odd(const struct contact_model *model, int c)
 {
-    return model->dimension == 3 ? table[c].field.odd : table[c].field.odd_in_plane;
+    const enum history_kind kind = table[c].field.kind;
+    return kind == HISTORY_ROTATION || (kind == HISTORY_TANGENT && model->dimension == 3);
+}
+
+int history_shown(const struct contact_model *model, int *column)
+{
+    int n = 0;
+    for (int c = 0; c < HISTORY_COLUMNS && n < HISTORY_FIELDS_MAX; c++) {
+        const struct history_field *field = &table[c].field;
+        if (history_has(model, c) && !field->is_rest && field->component <= 0 && c != HISTORY_SLIDING)
+            column[n++] = c;
+    }
+    return n;
 }

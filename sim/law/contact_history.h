@@ -2,6 +2,7 @@
 #ifndef SHAKEDOWN_SIM_LAW_CONTACT_HISTORY_H
 #define SHAKEDOWN_SIM_LAW_CONTACT_HISTORY_H
 
+#include "common/history_kind.h"
 #include "sim/law/contact_model.h"
 
 /* The columns; a vector takes three side by side, of which 2D uses the first. */
@@ -23,12 +24,12 @@ enum history_column {
 struct history_field {
     const char *name; /* of the field, as in checkpoints, frames and --explain */
     const char *unit;
-    int component; /* of a vector; -1: a number */
-    bool length;   /* kept in the unit of the slots (contact_slots.unit) */
-    bool force;    /* kept in that of forces (contact_slots.force_unit) */
-    bool odd; /* in 3D the other sign when i and j change places; in 2D a number along a tangent that turns with n */
-    bool odd_in_plane; /* the other sign in 2D */
-    bool rest;         /* what rounding left out of another field; mixed precision only */
+    enum history_kind kind; /* 2D: a tangent is a number along a tangent that turns with n, a rotation one about it */
+    int component;          /* of a vector; -1: a number */
+    int rest;               /* the column that has what rounding left out of this one, in mixed precision; 0: none */
+    bool length;            /* kept in the unit of the slots (contact_slots.unit) */
+    bool force;             /* kept in that of forces (contact_slots.force_unit) */
+    bool is_rest;           /* of another column; mixed precision only */
 };
 
 /* Column c of a contact. */
@@ -37,5 +38,9 @@ const struct history_field *history_field(int c);
 /* Whether a model has column c; and whether that changes its sign when i and j change places. */
 bool history_has(const struct contact_model *model, int c);
 bool history_is_odd(const struct contact_model *model, int c);
+
+/* The fields of a model that frames show, rests added in, by the first column of each, [HISTORY_FIELDS_MAX]; returns
+ * their number. Left out is `sliding`, which frames have beside them. */
+int history_shown(const struct contact_model *model, int *column);
 
 #endif

@@ -191,7 +191,9 @@ static void fill_contact(const struct sample *sample, int l, int k, const struct
                                         .j = sign > 0 ? j : i,
                                         .overlap_m = g->overlap,
                                         .normal_force_n = f->normal,
-                                        .sliding = list->model.frictional && contact_list_slides(list, k)};
+                                        .sliding = list->model.frictional && contact_list_slides(list, k),
+                                        .list = l,
+                                        .member = k};
     for (int c = 0; c < dim; c++) {
         out->normal[c] = sign * g->n[c];
         out->tangential_force_n[c] = sign * f->tangential[c];
@@ -233,4 +235,25 @@ int measure_contacts(struct complete_sample whole, struct contact_measurement *o
             sort_contacts(out + first, n - first);
     }
     return n;
+}
+
+/* In 2D the particles turn about x cross z = -y. */
+int measure_contact_history(const struct sample *sample, const struct contact_measurement *contact, int column,
+                            double *value)
+{
+    const struct contact_list *list = sample_list(sample, contact->list);
+    const enum history_kind kind = history_field(column)->kind;
+    const int k = contact->member, values = history_kind_values(kind, sample->particles.dimension);
+    const double sign = sample->particles.id[list->i[k]] == contact->i ? 1 : -1;
+    if (kind == HISTORY_TANGENT && values == 2) { /* a number along (-n_z, n_x), which turns with i and j */
+        const double along = contact_list_whole(list, column, k);
+        value[0] = -along * contact->normal[1];
+        value[1] = along * contact->normal[0];
+        return values;
+    }
+    for (int c = 0; c < values; c++) {
+        const double own = contact_list_whole(list, column + c, k);
+        value[c] = kind == HISTORY_NUMBER ? own : kind == HISTORY_ROTATION && values == 1 ? -sign * own : sign * own;
+    }
+    return values;
 }

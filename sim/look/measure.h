@@ -35,10 +35,17 @@ struct contact_measurement {
     double overlap_m, normal_force_n;
     double normal[3], tangential_force_n[3];
     bool sliding;
+    int list, member; /* where the sample has it (sample_list) */
 };
 
 /* Fills `out` with the contacts (overlap > 0) and returns their number; NULL only counts. Pairs first, by (i, j), then
  * walls, by wall; i and j are ids, i < j. */
 int measure_contacts(struct complete_sample whole, struct contact_measurement *out);
+
+/* What a contact remembers of field `column` (history_shown), of the record's i against j, in SI: as the state holds
+ * it, springs half a time step ahead of positions. Writes and returns history_kind_values values. 2D: rotations about
+ * +y. */
+int measure_contact_history(const struct sample *sample, const struct contact_measurement *contact, int column,
+                            double *value);
 
 #endif

@@ -17,15 +17,15 @@ static enum status no_memory(void)
     return status_fail(STATUS_NO_MEMORY, "no memory for a checkpoint");
 }
 
-/* The effective configuration; to be freed. */
-static char *effective_config(const struct scene *scene)
+/* A scene as scene_print or scene_print_every_key writes it; to be freed. */
+static char *scene_text(const struct scene *scene, void (*print)(FILE *out, const struct scene *scene))
 {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out)
         return NULL;
-    scene_print(out, scene);
+    print(out, scene);
     if (fclose(out) == 0)
         return text;
     free(text);
@@ -35,7 +35,7 @@ static char *effective_config(const struct scene *scene)
 static enum status put_texts(hid_t file, const struct sample *sample)
 {
     char kernel_set[64];
-    char *config = effective_config(sample->scene);
+    char *config = scene_text(sample->scene, scene_print);
     if (!config)
         return no_memory();
     sample_kernel_set(sample, kernel_set, sizeof kernel_set);
@@ -199,11 +199,13 @@ static void warn_of_kernels(const char *path, const struct checkpoint_content *c
 static enum status check_scene(const char *path, const struct checkpoint_content *content, const struct scene *scene)
 {
     char difference[512];
-    char *config = effective_config(scene);
-    if (!config)
+    char *before = scene_text(&content->scene, scene_print_every_key), *now = scene_text(scene, scene_print_every_key);
+    const bool memory = before && now;
+    const bool same = memory && config_is_same(before, now, difference, sizeof difference);
+    free(before);
+    free(now);
+    if (!memory)
         return no_memory();
-    bool same = config_is_same(content->config, config, difference, sizeof difference);
-    free(config);
     return same ? STATUS_OK : status_fail(STATUS_CONFIG, "%s belongs to another scene: %s", path, difference);
 }
 

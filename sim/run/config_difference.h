@@ -1,4 +1,4 @@
-/* Compares two effective configurations, as scene_print writes them: one key per line. */
+/* Compares two effective configurations, as scene_print_every_key writes them: one key per line. */
 #ifndef SHAKEDOWN_SIM_RUN_CONFIG_DIFFERENCE_H
 #define SHAKEDOWN_SIM_RUN_CONFIG_DIFFERENCE_H
 

@@ -37,12 +37,36 @@ void records_init(struct records *records, struct record_stream *stream, int64_t
     *records = (struct records){.stream = stream, .run_id = run_id, .last_sample_step = -1, .last_frame_step = -1};
 }
 
+/* The fields of the contacts' history that frames hold. */
+struct history_fields {
+    int n, values; /* fields; values of a contact */
+    int column[HISTORY_FIELDS_MAX];
+    char *name[HISTORY_FIELDS_MAX], *unit[HISTORY_FIELDS_MAX];
+    int8_t kind[HISTORY_FIELDS_MAX];
+};
+
+static void history_fields_find(const struct sample *sample, struct history_fields *fields)
+{
+    const struct contact_model *model = &sample->pairs.model;
+    *fields = (struct history_fields){0};
+    fields->n = sample->scene->record.contact_history ? history_shown(model, fields->column) : 0;
+    for (int f = 0; f < fields->n; f++) {
+        const struct history_field *field = history_field(fields->column[f]);
+        fields->name[f] = (char *)field->name;
+        fields->unit[f] = (char *)field->unit;
+        fields->kind[f] = (int8_t)field->kind;
+        fields->values += history_kind_values(field->kind, model->dimension);
+    }
+}
+
 static enum status send_run_info(struct records *records, const struct sample *sample, const char *controller,
                                  const struct records_resumed *resumed, char *effective)
 {
     char kernel_set[64];
     sample_kernel_set(sample, kernel_set, sizeof kernel_set);
     const struct scene *scene = sample->scene;
+    struct history_fields history;
+    history_fields_find(sample, &history);
     shakedown_run_info_t message = {
         .name = (char *)scene->name,
         .version = SHAKEDOWN_VERSION,
@@ -56,6 +80,10 @@ static enum status send_run_info(struct records *records, const struct sample *s
         .n_stages = (int32_t)scene->n_stages,
         .frictional = sample->pairs.model.frictional,
         .hysteretic = history_has(&sample->pairs.model, HISTORY_MAX_OVERLAP),
+        .n_history = history.n,
+        .history_name = history.name,
+        .history_unit = history.unit,
+        .history_kind = history.kind,
     };
     if (resumed) {
         message.n_resumed = RECORD_CHANNELS;
@@ -101,7 +129,7 @@ enum status records_send_start(struct records *records, const struct sample *sam
     FILE *out = open_memstream(&effective, &size);
     if (!out)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    scene_print_short(out, sample->scene);
+    scene_print(out, sample->scene);
     enum status status = STATUS_NO_MEMORY;
     if (fclose(out) == 0)
         status = send_run_info(records, sample, controller, resumed, effective);
@@ -277,12 +305,26 @@ static void fill_columns(const struct contact_measurement *contacts, int count, 
     }
 }
 
+/* Field by field, contact by contact; returns the number of values. */
+static int fill_history(const struct sample *sample, const struct contact_measurement *contacts, int count,
+                        double *value)
+{
+    struct history_fields fields;
+    int n = 0;
+    history_fields_find(sample, &fields);
+    for (int f = 0; f < fields.n; f++)
+        for (int k = 0; k < count; k++)
+            n += measure_contact_history(sample, &contacts[k], fields.column[f], &value[n]);
+    return n;
+}
+
 static enum status send_frame_contacts(struct records *records, const struct sample *sample, const struct chunk *chunk,
                                        const struct contact_measurement *contacts)
 {
     enum { MAX = CHUNK_BYTES / 40 };
     static int32_t i[MAX], j[MAX];
     static double overlap[MAX], normal_force[MAX], normal[3 * MAX], tangential[3 * MAX];
+    static double history[CHUNK_BYTES / sizeof(double)];
     static int8_t sliding[MAX];
     const int dim = sample->particles.dimension, frictional = sample->pairs.model.frictional;
     struct contact_columns columns = {i, j, overlap, normal_force, normal, tangential, sliding};
@@ -303,6 +345,8 @@ static enum status send_frame_contacts(struct records *records, const struct sam
         .tangential_force_n = tangential,
         .n_sliding = frictional ? chunk->count : 0,
         .sliding = sliding,
+        .n_history = fill_history(sample, contacts + chunk->first, chunk->count, history),
+        .history = history,
     };
     SEND(records, sample, RECORD_FRAME_CONTACTS, frame_contacts_t, &message);
 }
@@ -330,7 +374,9 @@ static enum status send_contact_frames(struct records *records, struct complete_
 {
     const struct sample *sample = whole.sample;
     const int dim = sample->particles.dimension, frictional = sample->pairs.model.frictional;
-    const int per_contact = 24 + 8 * dim + (frictional ? 8 * dim + 1 : 0);
+    struct history_fields history;
+    history_fields_find(sample, &history);
+    const int per_contact = 24 + 8 * (dim + history.values) + (frictional ? 8 * dim + 1 : 0);
     const int per_chunk = CHUNK_BYTES / per_contact;
     int count = measure_contacts(whole, NULL);
     struct contact_measurement *contacts = malloc((size_t)(count + 1) * sizeof *contacts);

@@ -41,19 +41,9 @@ static void NAME(contact_at)(const struct sample *sample, int l, int k, const st
 #endif
     for (int c = 0; c < HISTORY_COLUMNS; c++) {
         history[c] = &values[c];
-        if (list->history[c] && !history_field(c)->rest)
-            values[c] = contact_list_value(list, c, k);
+        if (list->history[c] && !history_field(c)->is_rest)
+            values[c] = contact_list_whole(list, c, k);
     }
-#if FRICTIONAL
-    for (int c = 0; c < SPRINGS; c++)
-        values[(MINDLIN ? HISTORY_FORCE : HISTORY_SPRING) + c] = contact_list_spring(list, c, k);
-#endif
-#if ROLLING
-    for (int c = 0; c < SPRINGS; c++)
-        values[HISTORY_ROLLING + c] = contact_list_whole(list, HISTORY_ROLLING + c, HISTORY_ROLLING_REST + c, k);
-    if (DIM == 3)
-        values[HISTORY_TORSION] = contact_list_whole(list, HISTORY_TORSION, HISTORY_TORSION_REST, k);
-#endif
     pair[PAIR_ROOT_MASS] = sqrt(wall ? p->mass[i] : p->mass[i] * p->mass[j] / (p->mass[i] + p->mass[j]));
     pair[PAIR_RADIUS] = wall ? p->radius[i] : p->radius[i] * p->radius[j] / (p->radius[i] + p->radius[j]);
     NAME(contact_look)(wall ? &sample->wall_law[wall->axis] : &sample->law, sample->kicked_s, &at, pairs, history, f);
