@@ -479,7 +479,8 @@ const struct key scene_keys[] = {
 static bool material_key_applies(const struct scene_material *material, const char *name)
 {
     static const char *const of_friction[] = {"mu_d",       "wall_friction", "kt_n_per_m",        "gamma_t_kg_per_s",
-                                              "mu_rolling", "mu_torsion",    "gamma_br_kg_per_s", NULL};
+                                              "mu_rolling", "mu_torsion",    "gamma_br_kg_per_s", "friction_limit",
+                                              NULL};
     static const char *const of_rolling[] = {"kr_n_per_m", "gamma_r_kg_per_s", NULL};
     static const char *const of_torsion[] = {"ko_n_per_m", "gamma_o_kg_per_s", NULL};
     if (!scene_law_takes(material->law, name))

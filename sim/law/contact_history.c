@@ -42,7 +42,12 @@ struct row {
 
 #define COMPONENT(name_, unit_, kind_, c, rest_, is_rest_, force_, has_)                                               \
     {                                                                                                                  \
-        {.name = name_, .unit = unit_, .kind = kind_, .component = c, .rest = rest_, .force = force_,                  \
+        {.name = name_,                                                                                                \
+         .unit = unit_,                                                                                                \
+         .kind = kind_,                                                                                                \
+         .component = c,                                                                                               \
+         .rest = rest_,                                                                                                \
+         .force = force_,                                                                                              \
          .is_rest = is_rest_},                                                                                         \
             has_                                                                                                       \
     }
@@ -62,7 +67,8 @@ static const struct row table[HISTORY_COLUMNS] = {
     [HISTORY_CONTACT_RADIUS] = NUMBER("contact_radius", "m", true, has_force),
     [HISTORY_SLIDING] = NUMBER("sliding", "1", false, has_friction),
     VECTOR(HISTORY_ROLLING, HISTORY_ROLLING_REST, "rolling_spring", "m", HISTORY_ROTATION, false, has_rolling),
-    [HISTORY_TORSION] = COMPONENT("torsion_spring", "m", HISTORY_NUMBER, -1, HISTORY_TORSION_REST, false, false, has_torsion),
+    [HISTORY_TORSION] =
+        COMPONENT("torsion_spring", "m", HISTORY_NUMBER, -1, HISTORY_TORSION_REST, false, false, has_torsion),
     [HISTORY_TORSION_REST] = COMPONENT("torsion_spring_rest", "m", HISTORY_NUMBER, -1, 0, true, false, has_torsion),
 };
 

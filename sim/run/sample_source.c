@@ -11,14 +11,12 @@
 static double take_value(const struct sample *from, const struct contact_model *to, int l, int k, int c)
 {
     const struct contact_list *old = sample_list(from, l);
-    const int spring = c - HISTORY_SPRING;
     if (c == HISTORY_MAX_OVERLAP && !history_has(&old->model, c))
         return fmax(contact_geometry_at(from, l, k).overlap, 0);
     if (!history_has(&old->model, c))
         return 0;
-    if (spring >= 0 && spring < 3 && !to->single) /* no place for what rounding left out */
-        return contact_list_spring(old, spring, k);
-    return contact_list_value(old, c, k);
+    /* in double there is no place for what rounding left out */
+    return to->single ? contact_list_value(old, c, k) : contact_list_whole(old, c, k);
 }
 
 /* Contacts of another model, unpadded: the lists are built anew from them. */
