@@ -2,7 +2,8 @@
  * last stage and of each of its parts, for both precisions and every instruction set that the CPU can run, side by side
  * in one run. The stages before are run once by the program `sim`; the sample stays in the folder. `step` is a whole
  * step with an exchange of its own, rebuilds of lists and ledger, `run` one with the coupling that the scene asks for;
- * `advance` is kick and drift in one pass, as steps have it. */
+ * `advance` is kick and drift in one pass, as steps have it. A scene with friction is also run with rolling and torsion
+ * resistance, in turns with itself. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -28,6 +29,8 @@ enum {
     BLOCKS = 100,
     BLOCKS_OF_REFERENCE = 2,
     STEPS_PER_BLOCK = 64,
+    TURNS = 9,
+    BLOCKS_OF_TURN = 8,
     BUILDS_PER_BLOCK = 4,
     ENERGY_STEPS = 500,
     WARM_STEPS = 5000
@@ -213,14 +216,74 @@ static enum status warm_up(struct bench *bench)
     return STATUS_OK;
 }
 
-static enum status measure_precision(struct bench *bench, int precision)
+/* The sample in this precision, warmed up. */
+static enum status start(struct bench *bench, int precision)
 {
     bench->scene->precision = precision;
     bench->left = 0;
     bench->energy_step = 0;
-    enum status status = sample_from_scene(&bench->sample, bench->scene);
-    if (status == STATUS_OK)
-        status = warm_up(bench);
+    TRY(sample_from_scene(&bench->sample, bench->scene));
+    return warm_up(bench);
+}
+
+/* Blocks of either side in turns: what the machine does meanwhile is the same for both. */
+static enum status measure_beside(struct bench *without, struct bench *with, enum instruction_set isa)
+{
+    struct bench *side[2] = {without, with};
+    double us[2][TURNS], least[2] = {INFINITY, INFINITY}, ratio[TURNS];
+    for (int k = 0; k < 2; k++) {
+        side[k]->sample->isa = isa;
+        side[k]->sample->kernels = kernels_select(isa, &side[k]->sample->pairs.model);
+    }
+    for (int turn = 0; turn < TURNS; turn++) {
+        for (int k = 0; k < 2; k++) {
+            struct timing timing;
+            TRY(timing_take(one_step_of_run, side[(turn + k) % 2], BLOCKS_OF_TURN, STEPS_PER_BLOCK, &timing));
+            us[(turn + k) % 2][turn] = timing.median_us;
+            least[(turn + k) % 2] = fmin(least[(turn + k) % 2], timing.least_us);
+        }
+        ratio[turn] = us[1][turn] / us[0][turn];
+    }
+    for (int k = 0; k < 2; k++)
+        (void)sample_complete(side[k]->sample);
+    const double middle = timing_rank(ratio, TURNS, 0.5), low = timing_rank(ratio, TURNS, 0.25),
+                 high = timing_rank(ratio, TURNS, 0.75);
+    const char *precision = with->sample->pairs.model.single ? "mixed" : "double", *name = instruction_set_name(isa);
+    printf(
+        "%-6s %-9s rolling %9.2f us least, without %.2f: x %.3f; median of turns x %.3f, half of them %.3f to %.3f\n",
+        precision, name, least[1], least[0], least[1] / least[0], middle, low, high);
+    json_array_append_new(without->rows, json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:[f, f]}", "precision", precision,
+                                                   "isa", name, "part", "rolling", "least_us", least[1], "without_us",
+                                                   least[0], "over_without", middle, "half_of_turns", low, high));
+    return STATUS_OK;
+}
+
+/* The same scene with resistance to rolling and torsion as stiff as friction, which half of mu limits. */
+static enum status measure_rolling(struct bench *bench)
+{
+    struct bench with = *bench;
+    if (!scene_is_frictional(bench->scene) || scene_resists_rolling(bench->scene))
+        return STATUS_OK;
+    with.scene = prepare_scene_copy(bench->scene);
+    if (!with.scene)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    struct scene_material *m = &with.scene->stage[with.scene->n_stages - 1].material;
+    m->mu_rolling = m->mu_torsion = 0.5 * m->mu_s;
+    m->kr_n_per_m = m->ko_n_per_m = m->kt_n_per_m;
+    m->gamma_r_kg_per_s = m->gamma_o_kg_per_s = m->gamma_t_kg_per_s;
+    with.sample = NULL;
+    enum status status = start(&with, (int)bench->scene->precision);
+    for (int isa = 0; status == STATUS_OK && isa < ISA_COUNT; isa++)
+        if (isa != ISA_reference && instruction_set_supported(isa))
+            status = measure_beside(bench, &with, isa);
+    sample_free(with.sample);
+    prepare_scene_free(with.scene);
+    return status;
+}
+
+static enum status measure_precision(struct bench *bench, int precision)
+{
+    enum status status = start(bench, precision);
     if (status == STATUS_OK)
         count(bench);
     for (int isa = 0; status == STATUS_OK && isa < ISA_COUNT; isa++) {
@@ -229,6 +292,8 @@ static enum status measure_precision(struct bench *bench, int precision)
         else
             printf("*** %s: THIS CPU CANNOT RUN IT, NOT MEASURED ***\n", instruction_set_name(isa));
     }
+    if (status == STATUS_OK)
+        status = measure_rolling(bench);
     sample_free(bench->sample);
     return status;
 }

@@ -83,6 +83,12 @@ enum status timing_take(timed_part *part, void *user, int blocks, int repeats, s
     return STATUS_OK;
 }
 
+double timing_rank(double *values, int n, double part)
+{
+    qsort(values, (size_t)n, sizeof *values, rising);
+    return values[(int)(part * (n - 1) + 0.5)];
+}
+
 enum { ROUNDS = 5000, ADDITIONS = 32 };
 
 /* One addition waits for the other, and each takes one cycle. Not of a constant: that some cores add without waiting.

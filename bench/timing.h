@@ -17,6 +17,9 @@ typedef enum status timed_part(void *user);
 /* Calls `part` in `blocks` (at most 100) blocks of `repeats` calls; fails as it does. */
 enum status timing_take(timed_part *part, void *user, int blocks, int repeats, struct timing *timing) MUST_USE;
 
+/* The value below which this part of n values lies, 0: the least; `values` is put in order. */
+double timing_rank(double *values, int n, double part);
+
 /* Whether this machine lets us count instructions; says so on stdout if not. */
 bool timing_counts_instructions(void);
 
