@@ -18,7 +18,7 @@ static void NAME(turn_often)(const double *axis, double angle, int n, double *sp
         const double x[3] = {1, 0, 0};
         turn_about(axis, angle * k, x, normal);
         cross_of(axis, normal, side);
-        real unit[3], gt[3], change[3];
+        real unit[3], gt[3], change[3] = {0};
         for (int c = 0; c < 3; c++) {
             unit[c] = (scalar)normal[c];
             gt[c] = (scalar)(angle * side[c]); /* at distance 1 in a step of 1 s */

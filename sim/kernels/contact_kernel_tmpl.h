@@ -117,7 +117,7 @@ struct NAME(range) {
     const struct particles *p;
     struct contact_slots slots;
     struct NAME(law) law;
-    scalar unit;
+    scalar unit, per_unit;
     size_t first, last; /* sets */
     void *force;
     scalar *own; /* column of force 0, n_padded from one to the next */
@@ -169,7 +169,7 @@ LANES_INLINE struct NAME(meeting)
     real a_i = NAME(load_at)(p->view_radius, &seats), a_j = real_fma(real_all(r->unit), at.inverse, -a_i);
 #if ROLLING
     at.radius = a_i;
-    at.share = a_j / (a_i + a_j);
+    at.share = a_j * real_all(r->per_unit); /* over the reach, which `root` divides by */
 #endif
     for (int c = 0; c < DIM; c++)
         at.lag[c] = i.lag[c] - j.lag[c];
@@ -210,6 +210,9 @@ LANES_INLINE void NAME(root)(struct NAME(meeting) * at)
     real arm = real_all(1.0) - x;
     arm = real_fma(x2, arm, arm);
     at->arm = real_fma(x4, arm, arm);
+#if ROLLING
+    at->share = at->share * (at->arm * at->inverse);
+#endif
 #endif
 }
 
@@ -496,6 +499,7 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
                                 .slots = pairs->slots,
                                 .law = NAME(law_of)(constants, dt_s, dt_s, &units),
                                 .unit = (scalar)pairs->slots.unit,
+                                .per_unit = (scalar)(1 / pairs->slots.unit),
                                 .force = force,
                                 .own = own};
     const bool large = p->count >= PARTICLES_LARGE_SAMPLE;

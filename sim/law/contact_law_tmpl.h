@@ -93,21 +93,24 @@ LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
 #undef NORMAL_LANES
 
 #if ROLLING
-/* Of rolling or torsion: mu, spring, dashpot, gamma - k dt/2, and 1 if there is any; forces in their unit. */
+/* Of rolling or torsion: mu, spring, dashpot, gamma - k dt/2, 1 if there is any, and for the losses gamma dt, k dt/2;
+ * forces in their unit. */
 struct NAME(resistance) {
-    scalar mu, k, inv_k, gamma, lever, on;
+    scalar mu, k, inv_k, gamma, lever, on, gamma_dt, half_k_dt;
 };
 
 LANES_INLINE struct NAME(resistance)
-    NAME(resistance_of)(const struct contact_resistance *r, double lever_s, const struct law_units *units)
+    NAME(resistance_of)(const struct contact_resistance *r, double dt_s, double lever_s, const struct law_units *units)
 {
-    const double damped = units->speed / units->force;
+    const double damped = units->speed / units->force, dt = dt_s * units->speed;
     return (struct NAME(resistance)){.mu = (scalar)r->mu,
                                      .k = (scalar)(r->k / units->force),
                                      .inv_k = (scalar)(r->inv_k * units->force),
                                      .gamma = (scalar)(r->gamma * damped),
                                      .lever = (scalar)((r->gamma - 0.5 * r->k * lever_s) * damped),
-                                     .on = r->k > 0};
+                                     .on = r->k > 0,
+                                     .gamma_dt = (scalar)(r->gamma * damped * dt),
+                                     .half_k_dt = (scalar)(0.5 * r->k / units->force * dt)};
 }
 #endif
 
@@ -135,8 +138,8 @@ LANES_INLINE struct NAME(law)
     {
         .normal = NAME(normal_law_of)(law->normal, units),
 #if ROLLING
-        .rolling = NAME(resistance_of)(&law->rolling, lever_s, units),
-        .torsion = NAME(resistance_of)(&law->torsion, lever_s, units),
+        .rolling = NAME(resistance_of)(&law->rolling, dt_s, lever_s, units),
+        .torsion = NAME(resistance_of)(&law->torsion, dt_s, lever_s, units),
 #endif
         .gamma_n = (scalar)(law->gamma_n * damped), .mu_s = (scalar)law->mu_s, .mu_d = (scalar)law->mu_d,
         .kt = (scalar)(law->kt / force), .inv_kt = (scalar)(law->inv_kt * force),
@@ -213,10 +216,10 @@ struct NAME(meeting) {
 };
 
 #if ROLLING
-/* Rolling or torsion when what resists it is known, but for how much of it slides. */
-struct NAME(resisted) {
-    real pull[SPRINGS], moved[SPRINGS]; /* as of struct touch; torsion: the first component */
-    real pull2, power, viscous, factor;
+/* Rolling when what resists it is known, but for how much of it slides; as of struct touch. */
+struct NAME(rolled) {
+    real pull[SPRINGS], moved[SPRINGS], pull2, power, v2;
+    real factor; /* until it is known: what limits the quasi-force */
 };
 #endif
 
@@ -234,9 +237,9 @@ struct NAME(touch) {
 #endif
 #if ROLLING
     real share;
-    struct NAME(resisted) rolling;
+    struct NAME(rolled) rolling;
 #if DIM == 3
-    struct NAME(resisted) torsion;
+    real torsion; /* the quasi-force along n */
 #endif
 #endif
 };
@@ -252,17 +255,6 @@ struct NAME(contact_result) {
 #endif
 };
 
-#if ROLLING
-/* Of rolling or torsion the sums that friction has. */
-struct NAME(resisted_sums) {
-    real stuck, slid, slip, slip2, power;
-};
-
-struct NAME(resisted_totals) {
-    struct NAME(doubles) stuck, slid, slip, slip2, power;
-};
-#endif
-
 /* Sums over contacts, one per lane: of u^2; of v_t^2 of those that stick and of those that slide, q pull^2, q^2 pull^2
  * and q pull.v_t for what the dashpot and sliding take. */
 struct NAME(sums) {
@@ -272,7 +264,7 @@ struct NAME(sums) {
     real power_t, stiffness;
 #endif
 #if ROLLING
-    struct NAME(resisted_sums) rolling, torsion;
+    real rolling, viscous_rolling; /* energies, those of torsion among them */
 #endif
 };
 
@@ -284,7 +276,7 @@ struct NAME(totals) {
     struct NAME(doubles) power_t, stiffness;
 #endif
 #if ROLLING
-    struct NAME(resisted_totals) rolling, torsion;
+    struct NAME(doubles) rolling, viscous_rolling;
 #endif
 };
 
@@ -313,9 +305,10 @@ LANES_INLINE real NAME(cross)(const real *a, const real *b, int c)
     return real_fma(a[d], b[e], -a[e] * b[d]);
 }
 
-/* What turns with the contact changes by this: by the smallest rotation that takes the normal of the step before to n,
- * R s = s - (s.n)(n - tan(theta/2) e), e the direction in which n moves, and with the pair's mean spin about n. The
- * length is kept to the fourth order of the turn in a step. gt: velocity of the centres along the tangent plane. */
+/* Adds to `change` what turning with the contact changes s by: by the smallest rotation that takes the normal of the
+ * step before to n, R s = s - (s.n)(n - tan(theta/2) e), e the direction in which n moves, and with the pair's mean
+ * spin about n. The length is kept to the fourth order of the turn in a step. gt: velocity of the centres along the
+ * tangent plane. */
 LANES_INLINE void NAME(turn)(const struct NAME(law) * law, const struct NAME(meeting) * at, const real *n,
                              const real *gt, const real *s, real *change)
 {
@@ -324,10 +317,32 @@ LANES_INLINE void NAME(turn)(const struct NAME(law) * law, const struct NAME(mee
     const real shrink = real_all(-0.5) * twist * twist;
     for (int c = 0; c < 3; c++) {
         real to = real_fma(-half_turn, gt[c], n[c]);
-        change[c] = real_fma(-along, to, real_fma(twist, NAME(cross)(n, s, c), shrink * s[c]));
+        change[c] = real_fma(-along, to, real_fma(twist, NAME(cross)(n, s, c), real_fma(shrink, s[c], change[c])));
     }
 }
 #endif
+
+/* What a contact remembers goes on by `change` (double: becomes that). */
+LANES_INLINE void NAME(remember)(scalar *value, scalar *rest, real_mask active, real change)
+{
+    real after = change;
+#if SINGLE
+    const real before = real_load(value);
+    after = before + change;
+    real_store(rest, real_where(active, change - (after - before)));
+#else
+    (void)rest;
+#endif
+    real_store(value, real_where(active, after));
+}
+
+/* What is remembered becomes 0 but for contacts that are `old`. */
+LANES_INLINE void NAME(forget)(scalar *value, scalar *rest, real_mask old)
+{
+    real_store(value, real_where(old, real_load(value)));
+    if (SINGLE)
+        real_store(rest, real_where(old, real_load(rest)));
+}
 
 /* Factor to bring a force of square `square` > 0 down to `to`. */
 LANES_INLINE real NAME(ratio)(real to, real square)
@@ -360,26 +375,31 @@ LANES_INLINE void NAME(tangent)(const struct NAME(touch) * touch, const real *g,
 }
 
 /* How contacts go along themselves in a step: the velocity at its end; the way [m], to half a step ahead of the end
- * from half a step ahead of its start; and, of those that were open at its start, the square of where they start from.
- */
+ * from half a step ahead of its start; the time that goes by; and, of those that were open at its start, the squares of
+ * how long and how far they are ahead of where they start. */
 struct NAME(travel) {
-    real vt[SPRINGS], way[SPRINGS], gt[DIM], start2;
+    real vt[SPRINGS], way[SPRINGS], gt[DIM], step, ahead2, start2;
+    bool fresh; /* some were open */
 };
 
 /* Contacts that were open a step ago, as far as their speed tells, have moved along themselves from the moment on at
  * which they touched: delta/(-u) ago. What they kept from before is nothing. Few sets have such a contact. */
-LANES_INLINE real NAME(start)(const struct NAME(law) * law, real_mask old, real u, real delta,
+LANES_INLINE void NAME(start)(const struct NAME(law) * law, real_mask old, real u, real delta,
                               const struct NAME(memory) * memory, struct NAME(travel) * t)
 {
-    const real dt = real_all(law->dt), half = real_all((scalar)0.5 * law->dt);
+    const real half = real_all((scalar)0.5 * law->dt);
     const real since = delta * real_all(law->unit) / -u, ahead = since - half;
-    for (int c = 0; c < SPRINGS; c++) {
-        real_store(memory->spring[c], real_select(old, real_load(memory->spring[c]), real_all(0.0)));
-        if (SINGLE)
-            real_store(memory->rest[c], real_select(old, real_load(memory->rest[c]), real_all(0.0)));
-    }
+    for (int c = 0; c < SPRINGS; c++)
+        NAME(forget)(memory->spring[c], memory->rest[c], old);
+#if ROLLING
+    for (int c = 0; c < SPRINGS; c++)
+        NAME(forget)(memory->rolling[c], memory->rolling_rest[c], old);
+    if (DIM == 3)
+        NAME(forget)(memory->torsion, memory->torsion_rest, old);
+#endif
+    t->step = real_select(old, t->step, since + half);
+    t->ahead2 = real_select(old, real_all(0.0), ahead * ahead);
     t->start2 = real_select(old, real_all(0.0), ahead * ahead * NAME(dot)(t->vt, t->vt));
-    return real_select(old, dt, since + half);
 }
 
 LANES_INLINE void NAME(travel)(const struct NAME(law) * law, const struct NAME(meeting) * at,
@@ -388,26 +408,53 @@ LANES_INLINE void NAME(travel)(const struct NAME(law) * law, const struct NAME(m
 {
     const real half = real_all((scalar)0.5 * law->dt);
     const real_mask old = real_at_least(delta, -u * real_all(law->dt_units));
-    real lag[SPRINGS], none[DIM], step = real_all(law->dt);
+    real lag[SPRINGS], none[DIM];
     (void)none;
     NAME(tangent)(touch, at->g, u, at->w, t->gt, t->vt);
     NAME(tangent)(touch, at->lag, NAME(inner)(at->lag, touch->n), at->lag_w, none, lag);
-    t->start2 = real_all(0.0);
-    if (!REAL(mask_all)(old))
-        step = NAME(start)(law, old, u, delta, memory, t);
+    t->step = real_all(law->dt);
+    t->ahead2 = t->start2 = real_all(0.0);
+    t->fresh = !REAL(mask_all)(old);
+    if (t->fresh)
+        NAME(start)(law, old, u, delta, memory, t);
     for (int c = 0; c < SPRINGS; c++)
-        t->way[c] = real_fma(step, t->vt[c], half * lag[c]);
+        t->way[c] = real_fma(t->step, t->vt[c], half * lag[c]);
 }
+
+#if ROLLING
+struct NAME(two) {
+    real first, second;
+};
+
+/* Two factors at once: single, with one division for both. */
+LANES_INLINE struct NAME(two) NAME(ratios)(real to, real square, real and_to, real and_square)
+{
+#if SINGLE
+    const real root = f32_sqrt(square), and_root = f32_sqrt(and_square), inverse = real_all(1.0) / (root * and_root);
+    return (struct NAME(two)){to * (inverse * and_root), and_to * (inverse * root)};
+#else
+    return (struct NAME(two)){NAME(ratio)(to, square), NAME(ratio)(and_to, and_square)};
+#endif
+}
+#endif
 
 /* What a contact keeps of its test force. */
 LANES_INLINE void NAME(keep)(const struct NAME(law) * law, struct NAME(touch) * touch,
                              const struct NAME(memory) * memory)
 {
-    const real one = real_all(1.0);
+    const real one = real_all(1.0), least = real_all(0x1p-120);
     real_mask slides = real_greater(touch->pull2, touch->bound2);
     /* in units of force of the scene, so that the root, of which only contacts that slide take notice, is finite */
-    const real per = real_all(law->per_force), pull2 = touch->pull2 * (per * per);
-    real reduced = NAME(ratio)(touch->kinetic * per, real_larger(pull2, real_all(0x1p-120)));
+    const real per = real_all(law->per_force), pull2 = real_larger(touch->pull2 * (per * per), least);
+#if ROLLING
+    struct NAME(rolled) *rolled = &touch->rolling;
+    const real rolled2 = real_larger(rolled->pull2 * (per * per), least), bound = rolled->factor;
+    const struct NAME(two) both = NAME(ratios)(touch->kinetic * per, pull2, bound * per, rolled2);
+    const real reduced = both.first;
+    rolled->factor = real_select(real_greater(rolled->pull2, bound * bound), both.second, one);
+#else
+    const real reduced = NAME(ratio)(touch->kinetic * per, pull2);
+#endif
     touch->factor = real_select(slides, reduced, one);
     real_store(memory->sliding, real_where(real_and(slides, touch->active), one));
 }
@@ -420,13 +467,8 @@ LANES_INLINE void NAME(slip_by)(real back, const struct NAME(touch) * touch, con
     const real *n = touch->n;
     real pull[SPRINGS];
     for (int c = 0; c < SPRINGS; c++) {
-        real after = real_fma(-back, touch->pull[c], touch->moved[c]);
-#if SINGLE
-        real spring = real_load(memory->spring[c]), change = after;
-        after = spring + change;
-        real_store(memory->rest[c], real_where(touch->active, change - (after - spring)));
-#endif
-        real_store(memory->spring[c], real_where(touch->active, after));
+        const real after = real_fma(-back, touch->pull[c], touch->moved[c]);
+        NAME(remember)(memory->spring[c], memory->rest[c], touch->active, after);
         pull[c] = touch->factor * touch->pull[c]; /* the tangential force on j */
     }
 #if DIM == 2
@@ -516,9 +558,11 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
 #if MINDLIN
     touch.pair = pair;
 #endif
-    NAME(test)(law, at, u, delta, limit, memory, &touch, sums);
+    struct NAME(travel) travel;
+    NAME(travel)(law, at, &touch, u, delta, memory, &travel);
+    NAME(test)(law, at, &travel, limit, memory, &touch, sums);
 #if ROLLING
-    NAME(roll)(law, at, u, delta, limit, memory, &touch, sums);
+    NAME(roll)(law, at, &travel, limit, memory, &touch, sums);
 #endif
 #endif
     return touch;
@@ -553,8 +597,8 @@ LANES_INLINE void NAME(sums_close)(struct NAME(sums) * sums, struct NAME(totals)
     NAME(friction_sums_close)(sums, totals);
 #endif
 #if ROLLING
-    NAME(resisted_close)(&sums->rolling, &totals->rolling);
-    NAME(resisted_close)(&sums->torsion, &totals->torsion);
+    NAME(close)(&sums->rolling, &totals->rolling);
+    NAME(close)(&sums->viscous_rolling, &totals->viscous_rolling);
 #endif
 }
 
@@ -569,7 +613,7 @@ LANES_INLINE void NAME(totals_add)(const struct NAME(totals) * totals, const str
     NAME(friction_totals_add)(totals, law, dt_s, units, losses);
 #endif
 #if ROLLING
-    NAME(resisted_add)(&totals->rolling, &law->rolling, dt_s, units, losses);
-    NAME(resisted_add)(&totals->torsion, &law->torsion, dt_s, units, losses);
+    losses->rolling += units->force * NAME(doubles_sum)(totals->rolling);
+    losses->viscous_rolling += units->force * NAME(doubles_sum)(totals->viscous_rolling);
 #endif
 }

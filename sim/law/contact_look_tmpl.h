@@ -11,6 +11,10 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
     const struct NAME(law) law = NAME(law_of)(constants, 0, lever_s, &si);
     const struct NAME(memory) memory = NAME(memory_at)(pair, history, 0);
     struct NAME(sums) sums = {0};
+#if ROLLING && DIM == 3 /* before it slides */
+    const double v = at->radius * at->share * at->inverse * NAME(dot)(at->turning, at->d);
+    const double torsion = NAME(twist_test)(&law, v, 0, &memory).pull - law.torsion.gamma * v;
+#endif
     const struct NAME(touch) touch = NAME(touch)(&law, at, &memory, &sums);
 #if PER_PAIR
     const struct NAME(pair) own =
@@ -27,7 +31,6 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
     undamped.damped = 0;
 #if ROLLING
     undamped.rolling.lever -= law.rolling.gamma;
-    undamped.torsion.lever -= law.torsion.gamma;
 #endif
     const struct NAME(touch) springs = NAME(touch)(&undamped, at, &memory, &sums);
 #if MINDLIN
@@ -40,8 +43,8 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
     for (int c = 0; c < SPRINGS; c++)
         f->rolling[c] = springs.rolling.pull[c];
 #if DIM == 3
-    f->spring_j += 0.5 * law.torsion.inv_k * springs.torsion.pull2;
-    f->torsion = springs.torsion.pull[0];
+    f->torsion = torsion;
+    f->spring_j += 0.5 * law.torsion.inv_k * torsion * torsion;
 #endif
 #endif
 #if DIM == 2

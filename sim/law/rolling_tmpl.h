@@ -2,104 +2,106 @@
  * contact_law_tmpl.h. With a' = a_i a_j/(a_i + a_j) (against a wall a_i) and the relative rotation w = omega_i -
  * omega_j, torsion is that along n, v_o = a' n.w, and rolling the rest, v_r = a' (w - n (n.w)): Luding's -a' n x w
  * turned by a quarter about n, so that 2D and 3D are the same text. Both have a spring, a dashpot and a limit mu f_lim,
- * as friction has, in steps of the same scheme; the quasi-force f acts by torques -a' f on i and a' f on j alone. */
+ * as friction has, in steps of the same scheme; the quasi-force f acts by torques -a' f on i and a' f on j alone. With
+ * q and the slip s as of friction the losses are, of a limited force, s.f + (k s^2 - k dt s.v)/2, f what is left of it;
+ * while it is limited, what its dashpot takes counts among them, as with friction. */
 
-/* Spring, test force and power of n components. spring: of the step before, fresh contacts 0; change: by turning. */
-LANES_INLINE void NAME(resist)(const struct NAME(law) * law, const struct NAME(resistance) * r, int n, const real *v,
-                               const real *way, const real *spring, const real *change, scalar *const *rest,
-                               real_mask old, real limit, struct NAME(resisted) * to)
+#if DIM == 3
+struct NAME(twisted) {
+    real pull, moved;
+};
+
+/* The test force, and the spring (single: its change) if nothing slides. */
+LANES_INLINE struct NAME(twisted)
+    NAME(twist_test)(const struct NAME(law) * law, real v, real way, const struct NAME(memory) * memory)
 {
-    const real zero = real_all(0.0), per = real_all(law->per_force), bound = real_all(r->mu) * limit;
-    to->power = to->pull2 = to->viscous = zero;
-    (void)rest;
-    (void)old;
-    for (int c = 0; c < n; c++) {
-        const real more = real_fma(real_all(r->on), way[c], change[c]);
+    const struct NAME(resistance) *r = &law->torsion;
+    struct NAME(twisted) to = {.moved = real_all(r->on) * way};
+    real middle;
 #if SINGLE
-        to->moved[c] = real_where(old, real_load(rest[c])) + more;
-        const real middle = spring[c] + to->moved[c];
-#else
-        to->moved[c] = spring[c] + more;
-        const real middle = to->moved[c];
+    to.moved = real_load(memory->torsion_rest) + to.moved;
 #endif
-        to->pull[c] = real_fma(real_all(r->k), middle, real_all(r->lever) * v[c]);
-        to->power = real_fma(to->pull[c], v[c], to->power);
-        to->pull2 = real_fma(to->pull[c], to->pull[c], to->pull2);
-        to->viscous = real_fma(v[c], v[c], to->viscous);
-    }
-    const real reduced = NAME(ratio)(bound * per, real_larger(to->pull2 * (per * per), real_all(0x1p-120)));
-    to->factor = real_select(real_greater(to->pull2, bound * bound), reduced, real_all(1.0));
+    middle = real_load(memory->torsion) + to.moved;
+#if !SINGLE
+    to.moved = middle;
+#endif
+    to.pull = real_fma(real_all(r->k), middle, real_all(r->lever) * v);
+    return to;
+}
+
+/* Torsion, which is a number, so that its limit needs no root. Returns the quasi-force. */
+LANES_INLINE real NAME(twist)(const struct NAME(law) * law, real v, real way, real limit, real_mask active,
+                              const struct NAME(memory) * memory, struct NAME(sums) * sums)
+{
+    const struct NAME(resistance) *r = &law->torsion;
+    const struct NAME(twisted) test = NAME(twist_test)(law, v, way, memory);
+    const real bound = real_all(r->mu) * limit, left = real_smaller(real_larger(test.pull, -bound), bound);
+    const real gone = test.pull - left, slip = gone * real_all(r->inv_k);
+    const real mean = real_fma(real_all(-r->half_k_dt), v, real_fma(real_all(-0.5), gone, test.pull));
+    const real viscous = v * real_fma(real_all(r->gamma_dt), v, real_all(-r->gamma) * slip);
+    const real slides = real_where(real_greater(gone * test.pull, real_all(0.0)), real_all(1.0));
+    sums->rolling = real_fma(slip, mean, sums->rolling);
+    NAME(viscous_add)(slides, viscous, &sums->viscous_rolling, &sums->rolling);
+    NAME(remember)(memory->torsion, memory->torsion_rest, active, test.moved - slip);
+    return left;
+}
+#endif
+
+/* Contacts that were open a step ago, as friction has them (struct travel): what their springs start with. */
+LANES_INLINE void NAME(roll_start)(const struct NAME(law) * law, const struct NAME(travel) * t, const real *v, real vo,
+                                   struct NAME(sums) * sums)
+{
+    const real half = real_all(-0.5) * t->ahead2;
+    sums->rolling = real_fma(half * real_all(law->rolling.k), NAME(dot)(v, v), sums->rolling);
+    sums->rolling = real_fma(half * real_all(law->torsion.k) * vo, vo, sums->rolling);
 }
 
 /* First half. */
-LANES_INLINE void NAME(roll)(const struct NAME(law) * law, const struct NAME(meeting) * at, real u, real delta,
-                             real limit, const struct NAME(memory) * memory, struct NAME(touch) * touch,
-                             struct NAME(sums) * sums)
+LANES_INLINE void NAME(roll)(const struct NAME(law) * law, const struct NAME(meeting) * at,
+                             const struct NAME(travel) * t, real limit, const struct NAME(memory) * memory,
+                             struct NAME(touch) * touch, struct NAME(sums) * sums)
 {
-    const real zero = real_all(0.0), dt = real_all(law->dt), half = real_all((scalar)0.5 * law->dt);
-    const real_mask old = real_at_least(delta, -u * real_all(law->dt_units));
-    real v[SPRINGS], lag[SPRINGS], way[SPRINGS], spring[SPRINGS], change[SPRINGS], step = dt, ahead2 = zero;
+    const struct NAME(resistance) *r = &law->rolling;
+    struct NAME(rolled) *to = &touch->rolling;
+    real v[SPRINGS], way[SPRINGS], spring[SPRINGS], vo = real_all(0.0), v2 = vo;
     touch->share = real_where(touch->active, at->share);
-    const real lever = at->radius * touch->share;
-    if (!REAL(mask_all)(old)) { /* as friction: since they touched */
-        const real since = delta * real_all(law->unit) / -u, ahead = since - half;
-        step = real_select(old, dt, since + half);
-        ahead2 = real_select(old, zero, ahead * ahead);
-    }
+    const real lever = at->radius * touch->share, ahead = real_all((scalar)0.5 * law->dt) * lever;
     for (int c = 0; c < SPRINGS; c++) {
-        v[c] = real_where(touch->active, lever * at->turning[c]);
-        lag[c] = real_where(touch->active, lever * at->lag_turning[c]);
-        spring[c] = real_where(old, real_load(memory->rolling[c]));
-        change[c] = zero;
+        v[c] = lever * at->turning[c];
+        way[c] = real_fma(t->step, v[c], ahead * at->lag_turning[c]);
     }
 #if DIM == 3
-    const real *n = touch->n, vo = NAME(dot)(v, n), lag_o = NAME(dot)(lag, n);
-    real gt[3];
+    const real *n = touch->n, way_o = NAME(dot)(way, n);
+    vo = NAME(dot)(v, n);
     for (int c = 0; c < 3; c++) {
         v[c] = real_fma(-vo, n[c], v[c]);
-        lag[c] = real_fma(-lag_o, n[c], lag[c]);
-        gt[c] = real_fma(-u, n[c], at->g[c]);
+        way[c] = real_fma(-way_o, n[c], way[c]);
     }
-    NAME(turn)(law, at, n, gt, spring, change);
-    const real twist = real_where(touch->active, vo), way_o = real_fma(step, twist, half * lag_o);
-    const real twisted = real_where(old, real_load(memory->torsion));
-    NAME(resist)
-    (law, &law->torsion, 1, &twist, &way_o, &twisted, &zero, &memory->torsion_rest, old, limit, &touch->torsion);
-    sums->torsion.slip2 = real_fma(ahead2 * twist, twist, sums->torsion.slip2);
-    real_store(memory->torsion, twisted);
+    touch->torsion = NAME(twist)(law, vo, way_o, limit, touch->active, memory, sums);
+#endif
+    if (t->fresh)
+        NAME(roll_start)(law, t, v, vo, sums);
+    for (int c = 0; c < SPRINGS; c++) {
+        spring[c] = real_load(memory->rolling[c]);
+        to->moved[c] = real_all(r->on) * way[c];
+#if SINGLE
+        to->moved[c] = real_load(memory->rolling_rest[c]) + to->moved[c];
+#endif
+    }
+#if DIM == 3
+    NAME(turn)(law, at, n, t->gt, spring, to->moved);
 #endif
     for (int c = 0; c < SPRINGS; c++) {
-        v[c] = real_where(touch->active, v[c]);
-        way[c] = real_fma(step, v[c], half * lag[c]);
-        real_store(memory->rolling[c], spring[c]);
+        const real middle = spring[c] + to->moved[c];
+        if (!SINGLE)
+            to->moved[c] = middle;
+        to->pull[c] = real_fma(real_all(r->k), middle, real_all(r->lever) * v[c]);
+        v2 = real_fma(v[c], v[c], v2);
     }
-    NAME(resist)
-    (law, &law->rolling, SPRINGS, v, way, spring, change, memory->rolling_rest, old, limit, &touch->rolling);
-    sums->rolling.slip2 = real_fma(ahead2, NAME(dot)(v, v), sums->rolling.slip2);
-}
-
-/* What is left of n components of the quasi-force, springs and losses, as of friction. */
-LANES_INLINE void NAME(resisted_slip)(const struct NAME(resistance) * r, const struct NAME(resisted) * from, int n,
-                                      scalar *const *spring, scalar *const *rest, real_mask active, real *force,
-                                      struct NAME(resisted_sums) * sums)
-{
-    const real q = (real_all(1.0) - from->factor) * real_all(r->inv_k), slip = q * from->pull2;
-    (void)rest;
-    const real slides = real_where(real_greater(real_all(1.0), from->factor), real_all(1.0));
-    NAME(viscous_add)(slides, from->viscous, &sums->stuck, &sums->slid);
-    sums->slip = sums->slip + slip;
-    sums->slip2 = real_fma(q, slip, sums->slip2);
-    sums->power = real_fma(q, from->power, sums->power);
-    for (int c = 0; c < n; c++) {
-        real after = real_fma(-q, from->pull[c], from->moved[c]);
-#if SINGLE
-        const real before = real_load(spring[c]), change = after;
-        after = before + change;
-        real_store(rest[c], real_where(active, change - (after - before)));
-#endif
-        real_store(spring[c], real_where(active, after));
-        force[c] = from->factor * from->pull[c];
-    }
+    to->power = NAME(dot)(to->pull, v);
+    to->pull2 = NAME(dot)(to->pull, to->pull);
+    to->factor = real_all(r->mu) * limit;
+    to->v2 = v2;
 }
 
 /* Second half: adds to the moments. Torque = -a moment, and a' = a_i share = a_j (1 - share). */
@@ -107,39 +109,22 @@ LANES_INLINE void NAME(roll_slip)(const struct NAME(law) * law, const struct NAM
                                   const struct NAME(memory) * memory, struct NAME(contact_result) * result,
                                   struct NAME(sums) * sums)
 {
-    real force[SPRINGS];
-    const real others = real_all(1.0) - touch->share;
-    NAME(resisted_slip)
-    (&law->rolling, &touch->rolling, SPRINGS, memory->rolling, memory->rolling_rest, touch->active, force,
-     &sums->rolling);
-#if DIM == 3
-    real twist;
-    NAME(resisted_slip)
-    (&law->torsion, &touch->torsion, 1, &memory->torsion, &memory->torsion_rest, touch->active, &twist, &sums->torsion);
-    for (int c = 0; c < 3; c++)
-        force[c] = real_fma(twist, touch->n[c], force[c]);
-#endif
+    const struct NAME(resistance) *r = &law->rolling;
+    const struct NAME(rolled) *from = &touch->rolling;
+    const real gone = real_all(1.0) - from->factor, q = gone * real_all(r->inv_k);
+    const real mean = real_fma(real_all(-0.5) * gone, from->pull2, from->pull2);
+    sums->rolling = real_fma(q, real_fma(real_all(-r->half_k_dt), from->power, mean), sums->rolling);
+    const real viscous = real_fma(real_all(r->gamma_dt), from->v2, real_all(-r->gamma) * q * from->power);
+    const real slides = real_where(real_greater(gone, real_all(0.0)), real_all(1.0));
+    NAME(viscous_add)(slides, viscous, &sums->viscous_rolling, &sums->rolling);
     for (int c = 0; c < SPRINGS; c++) {
-        result->own[c] = real_fma(touch->share, force[c], result->moment[c]);
-        result->moment[c] = real_fma(-others, force[c], result->moment[c]);
+        real force = from->factor * from->pull[c];
+#if DIM == 3
+        force = real_fma(touch->torsion, touch->n[c], force);
+#endif
+        NAME(remember)
+        (memory->rolling[c], memory->rolling_rest[c], touch->active, real_fma(-q, from->pull[c], from->moved[c]));
+        result->own[c] = real_fma(touch->share, force, result->moment[c]);
+        result->moment[c] = result->own[c] - force;
     }
-}
-
-LANES_INLINE void NAME(resisted_close)(struct NAME(resisted_sums) * sums, struct NAME(resisted_totals) * totals)
-{
-    NAME(close)(&sums->stuck, &totals->stuck);
-    NAME(close)(&sums->slid, &totals->slid);
-    NAME(close)(&sums->slip, &totals->slip);
-    NAME(close)(&sums->slip2, &totals->slip2);
-    NAME(close)(&sums->power, &totals->power);
-}
-
-LANES_INLINE void NAME(resisted_add)(const struct NAME(resisted_totals) * totals, const struct contact_resistance *r,
-                                     double dt_s, const struct law_units *units, struct contact_losses *losses)
-{
-    const double power = units->speed * NAME(doubles_sum)(totals->power), speed2 = units->speed * units->speed;
-    losses->viscous_rolling += r->gamma * dt_s * speed2 * NAME(doubles_sum)(totals->stuck);
-    losses->rolling += units->force * NAME(doubles_sum)(totals->slip) -
-                       0.5 * r->k * (NAME(doubles_sum)(totals->slip2) + dt_s * power) +
-                       r->gamma * (dt_s * speed2 * NAME(doubles_sum)(totals->slid) - power);
 }

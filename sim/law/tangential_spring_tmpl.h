@@ -3,24 +3,23 @@
 /* Test force [D] of contacts that friction holds up to `limit`. pull = kt xi + gamma_t v_t is the test force reversed;
  * a sliding contact keeps `factor` of it. Contacts that are open slide without resistance, so that they lose what their
  * springs hold. */
-LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(meeting) * at, real u, real delta,
-                             real limit, const struct NAME(memory) * memory, struct NAME(touch) * touch,
-                             struct NAME(sums) * sums)
+LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(meeting) * at,
+                             const struct NAME(travel) * t, real limit, const struct NAME(memory) * memory,
+                             struct NAME(touch) * touch, struct NAME(sums) * sums)
 {
     const real zero = real_all(0.0);
-    struct NAME(travel) t;
     real spring[SPRINGS], change[SPRINGS];
-    NAME(travel)(law, at, touch, u, delta, memory, &t);
+    (void)at;
     for (int c = 0; c < SPRINGS; c++) {
         spring[c] = real_load(memory->spring[c]);
         change[c] = zero;
     }
-    sums->slip2 = sums->slip2 + t.start2;
+    sums->slip2 = sums->slip2 + t->start2;
 #if DIM == 3 /* in 2D the spring is a number along the tangent, so a rotating pair carries it along by itself */
-    NAME(turn)(law, at, touch->n, t.gt, spring, change);
+    NAME(turn)(law, at, touch->n, t->gt, spring, change);
 #endif
     for (int c = 0; c < SPRINGS; c++) {
-        real more = change[c] + t.way[c];
+        real more = change[c] + t->way[c];
         touch->moved[c] = (SINGLE ? real_load(memory->rest[c]) : spring[c]) + more;
     }
     for (int c = 0; c < SPRINGS; c++) {
@@ -28,10 +27,10 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
 #if SINGLE
         middle = spring[c] + middle;
 #endif
-        touch->pull[c] = real_fma(real_all(law->kt), middle, real_all(law->lever) * t.vt[c]);
+        touch->pull[c] = real_fma(real_all(law->kt), middle, real_all(law->lever) * t->vt[c]);
     }
-    touch->viscous = NAME(dot)(t.vt, t.vt);
-    touch->power = NAME(dot)(touch->pull, t.vt);
+    touch->viscous = NAME(dot)(t->vt, t->vt);
+    touch->power = NAME(dot)(touch->pull, t->vt);
     touch->pull2 = NAME(dot)(touch->pull, touch->pull);
     real_mask slid = real_greater(real_load(memory->sliding), zero);
     real bound = limit * real_select(slid, real_all(law->mu_d), real_all(law->mu_s));
