@@ -4,10 +4,10 @@
 #include <string.h>
 
 #include "analyzer/compression.h"
-#include "analyzer/held.h"
-#include "analyzer/kept.h"
+#include "analyzer/control_quality.h"
+#include "analyzer/creep_relaxation.h"
 #include "analyzer/shakedown.h"
-#include "analyzer/shear.h"
+#include "analyzer/shear_strength.h"
 #include "analyzer/true_triaxial.h"
 #include "analyzer/undrained.h"
 
@@ -73,16 +73,16 @@ static enum status evaluate_kind(struct analysis *analysis)
     case TEST_CONSTANT_VOLUME:
         undrained_evaluate(curves, analysis->quantity);
         TRY(true_triaxial_evaluate(&analysis->run, curves, analysis->quantity));
-        return shear_evaluate(curves, analysis->run.scene, analysis->quantity, &analysis->stiffness);
+        return shear_strength_evaluate(curves, analysis->run.scene, analysis->quantity, &analysis->stiffness);
     case TEST_SHEAR:
         TRY(true_triaxial_evaluate(&analysis->run, curves, analysis->quantity));
-        return shear_evaluate(curves, analysis->run.scene, analysis->quantity, &analysis->stiffness);
+        return shear_strength_evaluate(curves, analysis->run.scene, analysis->quantity, &analysis->stiffness);
     case TEST_ISOTROPIC:
     case TEST_OEDOMETER:
         return compression_evaluate(curves, analysis->quantity);
     case TEST_CREEP:
     case TEST_RELAXATION:
-        held_evaluate(curves, analysis->quantity);
+        creep_relaxation_evaluate(curves, analysis->quantity);
         return STATUS_OK;
     case TEST_CYCLIC:
         TRY(cycles_evaluate(&analysis->cycles, curves));
@@ -154,14 +154,14 @@ static enum status evaluate(struct analysis *analysis, const char *stage)
     TRY(curves_extract_stage(&analysis->curves, &analysis->run, number));
     for (int k = 0; k < QUANTITIES; k++)
         quantity_undefined(&analysis->quantity[k], "not of this kind of test: %s",
-                           controls_name(&analysis->curves.controls, analysis->run.dimension));
+                           stage_controls_name(&analysis->curves.controls, analysis->run.dimension));
     judgement_make(&analysis->judgement, &analysis->run, analysis->curves.stage);
     TRY(evaluate_kind(analysis));
     if (!analysis->judgement.ended)
         unfinished(analysis);
     state_quantities(analysis, analysis->quantity);
     stress_error(analysis);
-    kept_quantities(&analysis->run, analysis->curves.stage, analysis->quantity);
+    control_quality_quantities(&analysis->run, analysis->curves.stage, analysis->quantity);
     inertial_number(&analysis->curves, analysis->quantity);
     return STATUS_OK;
 }

@@ -2,13 +2,13 @@
 
 #include <math.h>
 
-#include "analyzer/branch.h"
+#include "analyzer/compression_branch.h"
 #include "analyzer/local_fit.h"
 
 static const double upper_half = 0.5;
 
-static void set_over(struct quantity *quantity, bool good, struct estimate estimate, const struct branch *branch,
-                     double share)
+static void set_over(struct quantity *quantity, bool good, struct estimate estimate,
+                     const struct compression_branch *branch, double share)
 {
     const double *stress = branch->y[BRANCH_STRESS];
     if (!good) {
@@ -26,19 +26,21 @@ static struct estimate negative(struct estimate estimate)
     return (struct estimate){-estimate.value, estimate.error};
 }
 
-static void indices(const struct branch *loading, const struct branch *unloading, struct quantity *q)
+static void indices(const struct compression_branch *loading, const struct compression_branch *unloading,
+                    struct quantity *q)
 {
     struct estimate slope;
-    bool good = branch_log_slope(loading, BRANCH_VOID_RATIO, upper_half, &slope);
+    bool good = compression_branch_log_slope(loading, BRANCH_VOID_RATIO, upper_half, &slope);
     set_over(&q[QUANTITY_CC], good, negative(slope), loading, upper_half);
-    good = branch_log_slope(unloading, BRANCH_VOID_RATIO, 0, &slope);
+    good = compression_branch_log_slope(unloading, BRANCH_VOID_RATIO, 0, &slope);
     set_over(&q[QUANTITY_CS], good, negative(slope), unloading, 0);
 }
 
 /* Solid fraction that is left at no pressure: from the unloading, or the loading if there is none. */
-static void jamming(const struct branch *loading, const struct branch *unloading, struct quantity *quantity)
+static void jamming(const struct compression_branch *loading, const struct compression_branch *unloading,
+                    struct quantity *quantity)
 {
-    const struct branch *branch = unloading->n >= LOCAL_POINTS_MIN ? unloading : loading;
+    const struct compression_branch *branch = unloading->n >= LOCAL_POINTS_MIN ? unloading : loading;
     const double *p = branch->y[BRANCH_STRESS];
     const struct local_curves curves = {p, branch->n, 1, {branch->y[BRANCH_SOLID]}};
     struct estimate value, slope;
@@ -53,15 +55,15 @@ static void jamming(const struct branch *loading, const struct branch *unloading
                   branch == unloading ? "unloading" : "loading");
 }
 
-static void isotropic(const struct curves *curves, const struct branch *loading, const struct branch *unloading,
-                      struct quantity *q)
+static void isotropic(const struct curves *curves, const struct compression_branch *loading,
+                      const struct compression_branch *unloading, struct quantity *q)
 {
     struct estimate modulus;
-    bool good = branch_secant(loading, &modulus);
+    bool good = compression_branch_secant(loading, &modulus);
     set_over(&q[QUANTITY_K_LOADING], good, modulus, loading, 0);
-    good = branch_tangent(loading, &modulus);
+    good = compression_branch_tangent(loading, &modulus);
     set_over(&q[QUANTITY_K_TANGENT], good, modulus, loading, 1);
-    good = branch_secant(unloading, &modulus);
+    good = compression_branch_secant(unloading, &modulus);
     set_over(&q[QUANTITY_K_UNLOADING], good, modulus, unloading, 0);
     jamming(loading, unloading, &q[QUANTITY_JAMMING_FRACTION]);
     quantity_set(&q[QUANTITY_COORDINATION_END],
@@ -69,7 +71,7 @@ static void isotropic(const struct curves *curves, const struct branch *loading,
 }
 
 /* Mean of sigma_xx/sigma_zz over samples [begin, end) of a branch, over their stress. */
-static void k0(const struct branch *branch, size_t begin, size_t end, struct quantity *quantity)
+static void k0(const struct compression_branch *branch, size_t begin, size_t end, struct quantity *quantity)
 {
     double ratio[64], deviation;
     const size_t n = end > begin ? end - begin : 0, groups = n < 64 ? n : 64;
@@ -88,14 +90,15 @@ static void k0(const struct branch *branch, size_t begin, size_t end, struct qua
     quantity_note(quantity, "window in Pa; the uncertainty is the scatter along it");
 }
 
-static void oedometric(const struct branch *loading, const struct branch *unloading, struct quantity *q)
+static void oedometric(const struct compression_branch *loading, const struct compression_branch *unloading,
+                       struct quantity *q)
 {
     struct estimate modulus;
-    bool good = branch_secant(loading, &modulus);
+    bool good = compression_branch_secant(loading, &modulus);
     set_over(&q[QUANTITY_M_LOADING], good, modulus, loading, 0);
-    good = branch_tangent(loading, &modulus);
+    good = compression_branch_tangent(loading, &modulus);
     set_over(&q[QUANTITY_M_TANGENT], good, modulus, loading, 1);
-    good = branch_secant(unloading, &modulus);
+    good = compression_branch_secant(unloading, &modulus);
     set_over(&q[QUANTITY_M_UNLOADING], good, modulus, unloading, 0);
     const double *stress = loading->y[BRANCH_STRESS];
     const double middle = loading->n ? (stress[0] + stress[loading->n - 1]) / 2 : 0;
@@ -110,17 +113,17 @@ enum status compression_evaluate(const struct curves *curves, struct quantity *q
     const bool isotropy = curves->controls.kind == TEST_ISOTROPIC;
     const enum curve stress = isotropy ? CURVE_P : CURVE_SIGMA_ZZ;
     const enum curve strain = isotropy ? CURVE_EPS_V_LOG : CURVE_EPS_ZZ_LOG;
-    struct branch loading, unloading;
-    TRY(branch_loading(&loading, curves, stress, strain));
-    enum status status = branch_unloading(&unloading, curves, stress, strain);
+    struct compression_branch loading, unloading;
+    TRY(compression_branch_loading(&loading, curves, stress, strain));
+    enum status status = compression_branch_unloading(&unloading, curves, stress, strain);
     if (status == STATUS_OK) {
         indices(&loading, &unloading, quantities);
         if (isotropy)
             isotropic(curves, &loading, &unloading, quantities);
         else
             oedometric(&loading, &unloading, quantities);
-        branch_free(&unloading);
+        compression_branch_free(&unloading);
     }
-    branch_free(&loading);
+    compression_branch_free(&loading);
     return status;
 }

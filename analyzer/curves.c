@@ -60,7 +60,7 @@ void tensor_eigenvalues(const double *tensor, int dimension, double *eigenvalues
 
 static void split(const struct curves *curves, const double *vector, double *axial, double *lateral)
 {
-    controls_split(&curves->controls, curves->dimension, vector, axial, lateral);
+    stage_controls_split(&curves->controls, curves->dimension, vector, axial, lateral);
 }
 
 static void strains_fill(struct curves *curves, const struct run *run, size_t first, size_t i)
@@ -113,7 +113,7 @@ static void stresses_fill(struct curves *curves, const struct run *run, size_t s
 
 static void fabric_fill(struct curves *curves, const struct run *run, size_t sample, size_t i)
 {
-    int d = curves->dimension, a = controls_slot(d, (int)curves->controls.axial);
+    int d = curves->dimension, a = stage_controls_slot(d, (int)curves->controls.axial);
     const double *fabric = run_record(run, OBSERVABLE_FABRIC, sample);
     double eigenvalues[SCENE_AXES];
     tensor_eigenvalues(fabric, d, eigenvalues);
@@ -183,7 +183,7 @@ enum status curves_extract_stage(struct curves *curves, const struct run *run, i
     curves->stage = stage;
     curves->protocol = &run->scene->stage[curves->stage];
     run_stage_range(run, curves->stage, &begin, &end);
-    controls_find(&curves->controls, run, stage, begin, end);
+    stage_controls_find(&curves->controls, run, stage, begin, end);
     for (int k = 0; k < CURVES; k++) {
         curves->column[k] = malloc((end - begin + 1) * sizeof **curves->column);
         if (!curves->column[k]) {

@@ -4,8 +4,8 @@
 
 #include <stddef.h>
 
-#include "analyzer/controls.h"
 #include "analyzer/run_file.h"
+#include "analyzer/stage_controls.h"
 #include "common/status.h"
 
 /* id, column name. u is p0 - p, p0 of the first sample, and sin_phi that of the mobilised friction, |sigma_zz -
@@ -66,7 +66,7 @@ struct curves {
     int dimension;
     int stage;                          /* index in the scene */
     const struct scene_stage *protocol; /* of the run's scene: must outlive the curves */
-    struct controls controls;
+    struct stage_controls controls;
     size_t n;
     double *column[CURVES];   /* [n] each */
     double stress_difference; /* |sigma_wall - sigma_contact| over |sigma_wall|, rms over axes and samples; NaN */

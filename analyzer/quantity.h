@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "analyzer/controls.h"
+#include "analyzer/stage_controls.h"
 #include "analyzer/statistics.h"
 #include "common/status.h"
 

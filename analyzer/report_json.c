@@ -63,7 +63,7 @@ static json_t *stage_json(const struct analysis *analysis)
     const struct curves *curves = &analysis->curves;
     char axis[2] = {"xyz"[curves->controls.axial], '\0'};
     return json_pack("{s:s, s:i, s:s, s:s, s:I, s:o}", "name", curves->protocol->name, "index", curves->stage, "kind",
-                     controls_name(&curves->controls, curves->dimension), "axial", axis, "samples",
+                     stage_controls_name(&curves->controls, curves->dimension), "axial", axis, "samples",
                      (json_int_t)curves->n, "lateral_pressure_pa",
                      report_json_number(curves->controls.lateral_pressure_pa));
 }

@@ -83,7 +83,7 @@ void report_table_print(FILE *out, const struct analysis *analysis)
     fprintf(out, "%s: run \"%s\", seed %lld, version %s, kernels %s, %s\n", analysis->directory, run->name,
             (long long)run->seed, run->version, run->kernel_set, analysis->judgement.headline);
     fprintf(out, "stage \"%s\" (%d of %d): %s, %zu samples\n", curves->protocol->name, curves->stage + 1,
-            (int)run->scene->n_stages, controls_name(&curves->controls, run->dimension), curves->n);
+            (int)run->scene->n_stages, stage_controls_name(&curves->controls, run->dimension), curves->n);
     fprintf(out, "  %-34s %12s %12s %-6s %-22s\n", "quantity", "value", "uncertainty", "unit", "window");
     for (int k = 0; k < QUANTITIES; k++)
         if (quantity_is_reported((enum quantity_id)k, curves->controls.kind, &analysis->quantity[k]))

@@ -2,7 +2,7 @@
 #ifndef SHAKEDOWN_ANALYZER_STIFFNESS_H
 #define SHAKEDOWN_ANALYZER_STIFFNESS_H
 
-#include "analyzer/loading.h"
+#include "analyzer/loading_branch.h"
 #include "analyzer/quantity.h"
 
 enum { STIFFNESS_ROWS = 60 };

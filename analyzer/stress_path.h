@@ -2,7 +2,7 @@
 #ifndef SHAKEDOWN_ANALYZER_STRESS_PATH_H
 #define SHAKEDOWN_ANALYZER_STRESS_PATH_H
 
-#include "analyzer/loading.h"
+#include "analyzer/loading_branch.h"
 #include "analyzer/quantity.h"
 
 /* Sets path.* and yield.*. `window`: analysis.modulus_strain, in which initial slopes are looked for. Undefined, with

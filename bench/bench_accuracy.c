@@ -11,7 +11,7 @@
 #include "bench/accuracy_curve.h"
 #include "bench/accuracy_plot.h"
 #include "bench/child.h"
-#include "bench/prepare.h"
+#include "bench/prepared_sample.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
 #include "common/scene_file.h"

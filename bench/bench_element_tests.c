@@ -13,7 +13,7 @@
 #include "bench/child.h"
 #include "bench/curve_errors.h"
 #include "bench/element_tests.h"
-#include "bench/trial.h"
+#include "bench/trial_run.h"
 #include "common/command_line.h"
 
 /* What is asked: p and q to 0.1 %, volumes to 1e-6, at inertial numbers below 1e-3. */

@@ -17,7 +17,7 @@ enum { BLOCKS = 20, REPEATS = 15, SIDE_2D = 45, SIDE_3D = 15 };
 
 struct model {
     int dimension;
-    bool hysteretic, frictional, single;
+    bool hysteretic, frictional, mixed;
 };
 
 struct sample {
@@ -75,7 +75,7 @@ static const struct {
 static struct contact_model contact_model(struct model model)
 {
     return contact_model_make(model.dimension, model.hysteretic ? LAW_HYSTERETIC : LAW_LINEAR, model.frictional,
-                              model.single);
+                              model.mixed);
 }
 
 static struct kernels kernels_of(enum instruction_set isa, struct model model)
@@ -102,7 +102,7 @@ static struct contact_law_constants law_of(struct model model)
 static enum status place(struct sample *s, struct random *random)
 {
     const int side = s->model.dimension == 2 ? SIDE_2D : SIDE_3D, dim = s->model.dimension;
-    TRY(particles_init(&s->p, dim == 2 ? side * side : side * side * side, dim, s->model.frictional, s->model.single));
+    TRY(particles_init(&s->p, dim == 2 ? side * side : side * side * side, dim, s->model.frictional, s->model.mixed));
     for (int i = 0; i < s->p.count; i++) {
         const int at[3] = {i % side, i / side % side, i / side / side};
         s->p.radius[i] = 1e-3;
@@ -225,7 +225,7 @@ static enum status error_of(struct model model, enum instruction_set isa, double
     struct model exact = model;
     struct sample s, reference = {0};
     double off2 = 0, size2 = 0;
-    exact.single = false;
+    exact.mixed = false;
     enum status status = sample_init(&s, model);
     if (status == STATUS_OK)
         status = sample_init(&reference, exact);
@@ -266,7 +266,7 @@ static json_t *row(struct model model, enum instruction_set isa, const char *ker
 {
     return json_pack("{s:s, s:i, s:b, s:b, s:s, s:s, s:f, s:f, s:f}", "isa", instruction_set_name(isa), "dimension",
                      model.dimension, "hysteretic", model.hysteretic, "frictional", model.frictional, "precision",
-                     model.single ? "mixed" : "double", "kernel", kernel, "ns_each", ns, "instructions_each",
+                     model.mixed ? "mixed" : "double", "kernel", kernel, "ns_each", ns, "instructions_each",
                      instructions, "force_error", error);
 }
 
@@ -295,7 +295,7 @@ static enum status measure_model(struct model model, enum instruction_set isa, j
     enum status status = sample_init(&s, model);
     printf("%-10s %dD %-10s %-12s %-6s", instruction_set_name(isa), model.dimension,
            model.hysteretic ? "hysteretic" : "linear", model.frictional ? "frictional" : "frictionless",
-           model.single ? "mixed" : "double");
+           model.mixed ? "mixed" : "double");
     if (status == STATUS_OK)
         status = measure_parts(&s, isa, error, rows);
     printf(" %9.1e\n", error);

@@ -16,7 +16,7 @@
 #include "common/bus.h"
 #include "common/coupling.h"
 #include "common/scene_file.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 enum { ROUNDS = 4000, WARM_UP = 200, GIVE_UP_MS = 2000 };
 #define GROUP "239.255.76.67"

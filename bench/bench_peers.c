@@ -9,7 +9,7 @@
 
 #include "bench/child.h"
 #include "bench/peers_bench.h"
-#include "bench/prepare.h"
+#include "bench/prepared_sample.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
 #include "common/scene_file.h"

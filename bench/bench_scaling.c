@@ -25,7 +25,7 @@
 #include "common/floating_point.h"
 #include "common/scene_file.h"
 #include "sim/base/random.h"
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/run/sample_source.h"
 #include "sim/sample/sample.h"
 #include "sim/sample/stage.h"
@@ -221,7 +221,7 @@ static void hold_threads(struct sample *sample, int threads)
 {
     sample->threads.choice = (struct thread_choice){.most = 1, .best = threads, .use = threads};
     if (sample->threads.team)
-        team_use(sample->threads.team, threads);
+        thread_team_use(sample->threads.team, threads);
 }
 
 static enum status time_parts(struct sample *sample, struct row *row)
@@ -239,23 +239,23 @@ static enum status time_parts(struct sample *sample, struct row *row)
 }
 
 /* Bytes read and written in a step, walls left aside, if what the parts hand over does not stay in a cache: pairs read
- * row, reach (single: and where it was built) and history of each slot, records and columns, and add to the sums;
+ * row, reach (mixed: and where it was built) and history of each slot, records and columns, and add to the sums;
  * advance reads the sums and zeroes their rows, reads constants, reads and writes what steps go on with (double: x, v,
- * rotations and their views, beside x_list; single: the views and a rest of each) and writes the records. */
+ * rotations and their views, beside x_list; mixed: the views and a rest of each) and writes the records. */
 static double bytes_moved(const struct sample *sample)
 {
     const struct particles *p = &sample->particles;
-    const int d = p->dimension, s = p->n_rotations, real = p->single ? 4 : 8;
-    const int record = 8 * RECORD_STRIDE(d, s > 0, p->single), rows = SUMS_BYTES(d, s > 0, p->single);
+    const int d = p->dimension, s = p->n_rotations, real = p->mixed ? 4 : 8;
+    const int record = 8 * RECORD_STRIDE(d, s > 0, p->mixed), rows = SUMS_BYTES(d, s > 0, p->mixed);
     int history = 0;
     for (int c = 0; c < HISTORY_COLUMNS; c++)
         history += history_has(&sample->pairs.model, c) ? real : 0;
-    const int slot = 4 + real + (p->single ? (d + 1) * real : 0) + 2 * history;
+    const int slot = 4 + real + (p->mixed ? (d + 1) * real : 0) + 2 * history;
     const int positions = d * real, velocities = (d + s) * real, radius = s ? real : 0;
     const int lags = s ? velocities : 0;
     const int pair =
         record + positions + velocities + lags + radius + 2 * (rows + velocities); /* columns are velocities' size */
-    const int state = p->single ? 4 * (positions + velocities) : 8 * (2 * (d + d + s) + d) + 2 * velocities;
+    const int state = p->mixed ? 4 * (positions + velocities) : 8 * (2 * (d + d + s) + d) + 2 * velocities;
     const int factors = (s ? 3 : 1) * real, advance = 2 * rows + velocities + lags + state + factors + record;
     return (double)slot * SET_WIDTH * sample->pairs.n_sets + (double)(pair + advance) * p->count;
 }
@@ -276,11 +276,11 @@ static void time_jobs(struct sample *sample, struct row *row)
     enum { JOBS = 2000 };
     if (!sample->threads.team || row->threads < 2)
         return;
-    team_use(sample->threads.team, row->threads);
+    thread_team_use(sample->threads.team, row->threads);
     row->job_us = INFINITY;
     for (int k = 0; k < JOBS; k++) {
         const double start = clock_now_s();
-        team_run(sample->threads.team, row->threads, spin, NULL);
+        thread_team_run(sample->threads.team, row->threads, spin, NULL);
         row->job_us = fmin(row->job_us, 1e6 * (clock_now_s() - start - PIECE_S));
     }
 }

@@ -10,12 +10,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "bench/prepare.h"
+#include "bench/prepared_sample.h"
 #include "bench/timing.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
 #include "common/scene_file.h"
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/run/sample_source.h"
 #include "sim/sample/energy.h"
 #include "sim/sample/sample.h"
@@ -23,7 +23,7 @@
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
 #include "sim/sample/wall_state.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 enum {
     BLOCKS = 100,
@@ -159,7 +159,7 @@ static const struct part {
 static void report(struct bench *bench, const struct part *part, const struct timing *t, double step_us)
 {
     const struct sample *sample = bench->sample;
-    const char *precision = sample->pairs.model.single ? "mixed" : "double", *isa = instruction_set_name(sample->isa);
+    const char *precision = sample->pairs.model.mixed ? "mixed" : "double", *isa = instruction_set_name(sample->isa);
     double n = bench->n[part->per] ? bench->n[part->per] : 1, ns = 1e3 * t->least_us / n;
     printf("%-6s %-9s %-7s %9.2f %9.2f %5.0f %% %9.2f ns per %-12s", precision, isa, part->name, t->least_us,
            t->median_us, 100 * t->least_us / step_us, ns, per_name[part->per]);
@@ -248,7 +248,7 @@ static enum status measure_beside(struct bench *without, struct bench *with, enu
         (void)sample_complete(side[k]->sample);
     const double middle = timing_rank(ratio, TURNS, 0.5), low = timing_rank(ratio, TURNS, 0.25),
                  high = timing_rank(ratio, TURNS, 0.75);
-    const char *precision = with->sample->pairs.model.single ? "mixed" : "double", *name = instruction_set_name(isa);
+    const char *precision = with->sample->pairs.model.mixed ? "mixed" : "double", *name = instruction_set_name(isa);
     printf(
         "%-6s %-9s rolling %9.2f us least, without %.2f: x %.3f; median of turns x %.3f, half of them %.3f to %.3f\n",
         precision, name, least[1], least[0], least[1] / least[0], middle, low, high);

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 
 #include "bench/curve_errors.h"
-#include "bench/trial.h"
+#include "bench/trial_run.h"
 #include "common/config_table.h"
 #include "common/scene.h"
 #include "common/status.h"

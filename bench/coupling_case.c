@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "bench/coupling_bench.h"
-#include "bench/prepare.h"
+#include "bench/prepared_sample.h"
 #include "common/scene_file.h"
 #include "sim/run/checkpoint.h"
 #include "sim/run/sample_source.h"

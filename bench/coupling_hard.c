@@ -6,7 +6,7 @@
 
 #include "bench/child.h"
 #include "bench/coupling_bench.h"
-#include "bench/prepare.h"
+#include "bench/prepared_sample.h"
 #include "sim/run/checkpoint.h"
 #include "sim/run/sample_source.h"
 #include "sim/sample/sample.h"

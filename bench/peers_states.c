@@ -11,8 +11,8 @@
 #include "bench/child.h"
 #include "bench/peers_bench.h"
 #include "bench/peers_output.h"
-#include "bench/prepare.h"
-#include "sim/look/measure.h"
+#include "bench/prepared_sample.h"
+#include "sim/measure/measure.h"
 #include "sim/run/sample_source.h"
 #include "sim/sample/step_completion.h"
 

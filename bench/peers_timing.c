@@ -8,7 +8,7 @@
 #include "bench/child.h"
 #include "bench/peers_bench.h"
 #include "bench/peers_output.h"
-#include "bench/prepare.h"
+#include "bench/prepared_sample.h"
 #include "sim/kernels/kernels.h"
 #include "sim/run/sample_source.h"
 

@@ -1,5 +1,5 @@
 /* A step on more cores than there are: measured times of the blocks of a sample, dealt out to so many threads as
- * sim/base/team.c does. */
+ * sim/base/thread_team.c does. */
 #ifndef SHAKEDOWN_BENCH_SCALING_MODEL_H
 #define SHAKEDOWN_BENCH_SCALING_MODEL_H
 

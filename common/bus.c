@@ -125,7 +125,7 @@ static enum status open_url(struct bus *bus, const char *url, bool direct)
     }
     const char *key = getenv("SHAKEDOWN_KEY");
     if (key && *key && starts_with(full, UDPM_SCHEME))
-        TRY(seal_create(&bus->seal, key));
+        TRY(message_seal_create(&bus->seal, key));
     if (direct && udp_receiver_open(&bus->receiver, full) != STATUS_OK) {
         bus_close(bus);
         return open_failure(full);
@@ -150,7 +150,7 @@ enum status bus_open_direct(struct bus *bus, const char *url)
 /* A subscription of a sealed bus. */
 struct listener {
     struct listener *next;
-    struct seal *seal;
+    struct message_seal *seal;
     lcm_msg_handler_t handler;
     void *user;
     void *subscription;
@@ -225,7 +225,7 @@ static void on_sealed(const lcm_recv_buf_t *buffer, const char *channel, void *u
 {
     const struct listener *listener = user;
     lcm_recv_buf_t opened = *buffer;
-    if (!seal_check(listener->seal, channel, buffer->data, buffer->data_size))
+    if (!message_seal_check(listener->seal, channel, buffer->data, buffer->data_size))
         return;
     opened.data_size -= SEAL_SIZE;
     listener->handler(&opened, channel, listener->user);
@@ -297,7 +297,7 @@ enum status bus_publish(struct bus *bus, const char *channel, const void *data, 
         return log_write(bus, channel, data, size);
     unsigned char sealed[BUS_MESSAGE_MAX + SEAL_SIZE];
     if (bus->seal) {
-        TRY(seal_add(bus->seal, channel, data, size, sealed));
+        TRY(message_seal_add(bus->seal, channel, data, size, sealed));
         data = sealed;
         size += SEAL_SIZE;
     }

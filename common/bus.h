@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 #include "common/event_log.h"
-#include "common/seal.h"
+#include "common/message_seal.h"
 #include "common/status.h"
 
 /* Recorded channels, in the order of record_ack_t.next_seq. */
@@ -46,7 +46,7 @@ struct bus {
     lcm_t *lcm;  /* NULL: not open. Publish through bus_publish: a log that is written does not hear of it */
     bool is_log; /* file:// URL: nobody answers */
     struct event_writer *log;    /* a log that is written */
-    struct seal *seal;           /* messages without it are not ours; NULL: all are taken */
+    struct message_seal *seal;   /* messages without it are not ours; NULL: all are taken */
     struct listener *listeners;  /* of a sealed bus */
     struct event_reader *replay; /* a log that is read: its messages come through an LCM of this process alone */
 };

@@ -106,7 +106,7 @@ bool wall_command_decode(const void *data, size_t size, struct message_header *h
 /* Encodes into `buffer` [WALL_MESSAGE_MAX] bytes; returns the size, 0 if it does not fit. */
 enum { WALL_MESSAGE_MAX = 1024 };
 
-/* Exchanges on their way to the recorder: with the window of the records (common/record_stream.c) below the default
+/* Exchanges on their way to the recorder: with the window of the records (common/record_sender.c) below the default
  * receive buffer of a socket. */
 enum { WALLS_WINDOW = 16 };
 

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/auto_time_step.h"
 #include "common/config_literals.h"
 #include "common/scene_check.h"
 #include "common/scene_keys.h"
 #include "common/scene_prepare.h"
-#include "common/time_step.h"
 
 static enum status stages_list_check(const config_setting_t *list, const config_setting_t *parent, const char *where)
 {

@@ -31,7 +31,7 @@ struct recorded_channel {
 
 struct recording_session {
     struct bus bus;
-    struct recording *recording;
+    struct record_receiver *recording;
     double timeout_s;
     pid_t parent;
     struct recorded_channel channels[MESSAGE_LOGGED_KINDS], life;
@@ -52,9 +52,9 @@ static void on_message(const lcm_recv_buf_t *buffer, const char *channel, void *
     (void)channel;
     if (session->status != STATUS_OK)
         return;
-    int64_t foreign = recording_drops(session->recording)->foreign;
-    session->status = recording_take(session->recording, source->kind, buffer->data, buffer->data_size, &answer);
-    if (recording_drops(session->recording)->foreign == foreign)
+    int64_t foreign = record_receiver_drops(session->recording)->foreign;
+    session->status = record_receiver_take(session->recording, source->kind, buffer->data, buffer->data_size, &answer);
+    if (record_receiver_drops(session->recording)->foreign == foreign)
         session->message_at_s = clock_now_s();
     session->records_unanswered += answer == ANSWER_SOON;
     session->walls_unanswered += source->kind >= MESSAGE_WALL_STATE;
@@ -69,7 +69,7 @@ static void on_life(const lcm_recv_buf_t *buffer, const char *channel, void *use
     struct message_header header;
     (void)channel;
     if (message_header_read(buffer->data, buffer->data_size, &header) &&
-        header.run_id == recording_run_id(source->session->recording))
+        header.run_id == record_receiver_run_id(source->session->recording))
         source->session->message_at_s = clock_now_s();
 }
 
@@ -77,8 +77,8 @@ static enum status publish_ack(struct recording_session *session, bool waits)
 {
     enum { ACK_SIZE_MAX = 256 + 12 * EARLY_MAX };
     unsigned char bytes[ACK_SIZE_MAX];
-    struct recording_ack ack;
-    recording_ack(session->recording, &ack);
+    struct record_receiver_ack ack;
+    record_receiver_ack(session->recording, &ack);
     ack.message.seq = session->ack_seq++;
     ack.message.failed = session->failed;
     ack.message.waits = waits;
@@ -97,14 +97,14 @@ static enum status publish_ack(struct recording_session *session, bool waits)
 static enum status wait_for_room(struct recording_session *session)
 {
     bool told = false;
-    while (recording_waits_for_room(session->recording) && !stop_requested()) {
+    while (record_receiver_waits_for_room(session->recording) && !stop_requested()) {
         if (!told)
             fprintf(stderr, "recorder: warning: %s; waiting for room\n", status_message());
         told = true;
         TRY(publish_ack(session, true));
         struct timespec pause = {.tv_nsec = (long)(1e9 * ROOM_EVERY_S)};
         (void)nanosleep(&pause, NULL); /* a signal may end it early */
-        if (recording_secure(session->recording) == STATUS_OK) {
+        if (record_receiver_secure(session->recording) == STATUS_OK) {
             fprintf(stderr, "recorder: there is room again\n");
             return STATUS_OK;
         }
@@ -115,8 +115,8 @@ static enum status wait_for_room(struct recording_session *session)
 /* What is acknowledged is out of this process' hands. */
 static enum status send_ack(struct recording_session *session)
 {
-    enum status status = session->failed ? STATUS_OK : recording_secure(session->recording);
-    if (status != STATUS_OK && recording_waits_for_room(session->recording))
+    enum status status = session->failed ? STATUS_OK : record_receiver_secure(session->recording);
+    if (status != STATUS_OK && record_receiver_waits_for_room(session->recording))
         status = wait_for_room(session);
     TRY(status);
     return publish_ack(session, false);
@@ -125,7 +125,7 @@ static enum status send_ack(struct recording_session *session)
 /* Walls come at the full rate of exchange: if they are not wanted they should not cost anything. */
 static void unsubscribe_walls(struct recording_session *session)
 {
-    if (!recording_has_run(session->recording) || recording_wants_walls(session->recording))
+    if (!record_receiver_has_run(session->recording) || record_receiver_wants_walls(session->recording))
         return;
     for (int kind = MESSAGE_WALL_STATE; kind <= MESSAGE_WALL_COMMAND; kind++) {
         bus_unsubscribe(&session->bus, session->channels[kind].subscription);
@@ -174,16 +174,16 @@ static bool has_patience(struct recording_session *session)
 static void publish_now_and_then(struct recording_session *session)
 {
     const double start_s = clock_now_s();
-    if (!recording_has_run(session->recording) || start_s < session->publish_at_s)
+    if (!record_receiver_has_run(session->recording) || start_s < session->publish_at_s)
         return;
-    recording_publish(session->recording);
+    record_receiver_publish(session->recording);
     const double took_s = clock_now_s() - start_s;
     session->publish_at_s = clock_now_s() + fmax(PUBLISH_EVERY_S, PUBLISH_TIMES * took_s);
 }
 
 static enum status record_until_end(struct recording_session *session)
 {
-    while (!recording_end_matches(session->recording) && has_patience(session)) {
+    while (!record_receiver_end_matches(session->recording) && has_patience(session)) {
         TRY(handle(session));
         unsubscribe_walls(session);
         publish_now_and_then(session);
@@ -237,11 +237,11 @@ static enum status record(struct recording_session *session)
     TRY(subscribe(session));
     session->message_at_s = clock_now_s();
     TRY(record_until_end(session));
-    TRY(recording_finish(session->recording));
+    TRY(record_receiver_finish(session->recording));
     return linger(session);
 }
 
-enum status bus_recording_record(struct recording *recording, const struct bus_recording_options *options)
+enum status bus_recording_record(struct record_receiver *recording, const struct bus_recording_options *options)
 {
     struct recording_session session = {
         .recording = recording, .timeout_s = options->timeout_s, .stop_at_s = INFINITY, .parent = getppid()};
@@ -252,7 +252,7 @@ enum status bus_recording_record(struct recording *recording, const struct bus_r
         snprintf(reason, sizeof reason, "%s", status_message());
         session.status = status;
         tell_failure(&session);
-        if (recording_finish(recording) != STATUS_OK)
+        if (record_receiver_finish(recording) != STATUS_OK)
             (void)status_fail(status, "%s", reason); /* the first reason is the one to report */
     }
     bus_close(&session.bus);

@@ -2,7 +2,7 @@
 #ifndef SHAKEDOWN_RECORDER_BUS_RECORDING_H
 #define SHAKEDOWN_RECORDER_BUS_RECORDING_H
 
-#include "recorder/recording.h"
+#include "recorder/record_receiver.h"
 
 struct bus_recording_options {
     const char *lcm_url; /* NULL: the default */
@@ -12,6 +12,7 @@ struct bus_recording_options {
 
 /* Records until the run is complete (STATUS_OK), a stop request or silence (STATUS_INCOMPLETE), or a failure of the
  * disk (STATUS_IO; the sender is told) or the bus. Finishes the recording in every case. */
-enum status bus_recording_record(struct recording *recording, const struct bus_recording_options *options) MUST_USE;
+enum status bus_recording_record(struct record_receiver *recording,
+                                 const struct bus_recording_options *options) MUST_USE;
 
 #endif

@@ -8,7 +8,7 @@
 #include "common/command_line.h"
 #include "common/signals.h"
 #include "recorder/bus_recording.h"
-#include "recorder/convert.h"
+#include "recorder/log_conversion.h"
 #include "recorder/verify.h"
 
 static const char USAGE[] =
@@ -72,14 +72,14 @@ static enum status arguments_read(struct arguments *arguments, int argc, char **
     return timeout_read(arguments);
 }
 
-static void report_drops(const struct recording_drops *drops)
+static void report_drops(const struct record_receiver_drops *drops)
 {
     if (drops->foreign + drops->malformed + drops->oversized > 0)
         fprintf(stderr, "recorder: warning: dropped %lld messages of other runs, %lld malformed, %lld oversized\n",
                 (long long)drops->foreign, (long long)drops->malformed, (long long)drops->oversized);
 }
 
-static enum status run(const struct arguments *arguments, struct recording *recording)
+static enum status run(const struct arguments *arguments, struct record_receiver *recording)
 {
     const struct bus_recording_options options = {.lcm_url = arguments->line.lcm_url,
                                                   .timeout_s = arguments->timeout_s};
@@ -88,25 +88,25 @@ static enum status run(const struct arguments *arguments, struct recording *reco
 
 static enum status record(const struct arguments *arguments)
 {
-    const struct recording_options options = {.directory = arguments->out,
-                                              .any_run = !arguments->line.run_id_given,
-                                              .run_id = arguments->line.run_id,
-                                              .from_log = arguments->from != NULL,
-                                              .replace = arguments->replace && arguments->from,
-                                              .resume = arguments->resume,
-                                              .remake = convert_into};
-    struct recording *recording;
-    enum status status = recording_create(&recording, &options);
+    const struct record_receiver_options options = {.directory = arguments->out,
+                                                    .any_run = !arguments->line.run_id_given,
+                                                    .run_id = arguments->line.run_id,
+                                                    .from_log = arguments->from != NULL,
+                                                    .replace = arguments->replace && arguments->from,
+                                                    .resume = arguments->resume,
+                                                    .remake = convert_into};
+    struct record_receiver *recording;
+    enum status status = record_receiver_create(&recording, &options);
     if (status == STATUS_OK)
         status = run(arguments, recording);
     if (status == STATUS_OK) {
         char summary[1024];
-        recording_summary(recording, summary, sizeof summary);
+        record_receiver_summary(recording, summary, sizeof summary);
         printf("recorder: %s\n", summary);
     }
     if (recording)
-        report_drops(recording_drops(recording));
-    recording_free(recording);
+        report_drops(record_receiver_drops(recording));
+    record_receiver_free(recording);
     return status;
 }
 

@@ -4,9 +4,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "recorder/frame_observables.h"
 #include "recorder/h5.h"
-#include "recorder/observed.h"
-#include "recorder/table.h"
+#include "recorder/message_table.h"
 
 /* Wall rows come at up to 20 kHz: compressed fast, in whole chunks. Sample rows are few and are wanted after a kill. */
 enum { SAMPLE_BLOCK = 256, WALL_BLOCK = 1024, CONTACT_BLOCK = 4096, FRAME_BLOCK = 64 };
@@ -92,10 +92,10 @@ struct run_writer {
     double radius_max_m;
     struct h5_series series[N_SERIES];
     struct h5_series history[HISTORY_FIELDS_MAX]; /* of contacts */
-    struct table *samples;
-    struct table *observables; /* of the samples, those at the frames */
-    struct observed observed;
-    struct table *wall_states, *wall_commands; /* NULL: not recorded */
+    struct message_table *samples;
+    struct message_table *observables; /* of the samples, those at the frames */
+    struct frame_observables observed;
+    struct message_table *wall_states, *wall_commands; /* NULL: not recorded */
     int64_t contacts;
     struct h5_series notes;
     hid_t note_type; /* its texts */
@@ -281,31 +281,31 @@ static enum status samples_links_create(hid_t file, const char *root)
 
 static enum status samples_create(struct run_writer *writer)
 {
-    struct table_options options = {
+    struct message_table_options options = {
         .fields = sample_fields, .dimension = writer->facts.dimension, .block = SAMPLE_BLOCK, .path = sample_path};
-    TRY(table_create(&writer->samples, writer->file, &options));
+    TRY(message_table_create(&writer->samples, writer->file, &options));
     TRY(samples_links_create(writer->file, SAMPLES));
     options.path = observable_path;
     options.block = FRAME_BLOCK;
-    TRY(table_create(&writer->observables, writer->file, &options));
+    TRY(message_table_create(&writer->observables, writer->file, &options));
     return samples_links_create(writer->file, OBSERVABLES);
 }
 
-static struct table_options walls_options(const struct run_writer *writer, bool commands)
+static struct message_table_options walls_options(const struct run_writer *writer, bool commands)
 {
-    return (struct table_options){.fields = commands ? wall_command_fields : wall_state_fields,
-                                  .dimension = writer->facts.dimension,
-                                  .block = WALL_BLOCK,
-                                  .deflate = WALL_DEFLATE,
-                                  .path = commands ? wall_command_path : wall_state_path};
+    return (struct message_table_options){.fields = commands ? wall_command_fields : wall_state_fields,
+                                          .dimension = writer->facts.dimension,
+                                          .block = WALL_BLOCK,
+                                          .deflate = WALL_DEFLATE,
+                                          .path = commands ? wall_command_path : wall_state_path};
 }
 
 static enum status walls_create(struct run_writer *writer)
 {
-    struct table_options options = walls_options(writer, false);
-    TRY(table_create(&writer->wall_states, writer->file, &options));
+    struct message_table_options options = walls_options(writer, false);
+    TRY(message_table_create(&writer->wall_states, writer->file, &options));
     options = walls_options(writer, true);
-    return table_create(&writer->wall_commands, writer->file, &options);
+    return message_table_create(&writer->wall_commands, writer->file, &options);
 }
 
 /* A text of NOTE_BYTES, ended by a zero; to be closed. */
@@ -389,18 +389,18 @@ enum status run_writer_particles(struct run_writer *writer, const struct particl
 
 enum status run_writer_sample(struct run_writer *writer, const shakedown_sample_t *sample)
 {
-    TRY(observed_sample(&writer->observed, (struct moment){sample->step, sample->stage}));
-    return table_append(writer->samples, sample);
+    TRY(frame_observables_sample(&writer->observed, (struct moment){sample->step, sample->stage}));
+    return message_table_append(writer->samples, sample);
 }
 
 enum status run_writer_wall_state(struct run_writer *writer, const shakedown_wall_state_t *state)
 {
-    return table_append(writer->wall_states, state);
+    return message_table_append(writer->wall_states, state);
 }
 
 enum status run_writer_wall_command(struct run_writer *writer, const shakedown_wall_command_t *command)
 {
-    return table_append(writer->wall_commands, command);
+    return message_table_append(writer->wall_commands, command);
 }
 
 /* "stage;severity;text"; a semicolon in the name of a stage becomes a comma. */
@@ -473,7 +473,7 @@ enum status run_writer_particle_frame(struct run_writer *writer, const struct pa
                                {SERIES_STEP, &frame->place.step},
                                {N_SERIES, NULL}};
     TRY(rows_append(writer, rows, 1));
-    TRY(observed_frame(&writer->observed, (struct moment){frame->place.step, frame->stage}));
+    TRY(frame_observables_frame(&writer->observed, (struct moment){frame->place.step, frame->stage}));
     return frame_link(writer);
 }
 
@@ -502,18 +502,18 @@ enum status run_writer_contact_frame(struct run_writer *writer, const struct con
 static enum status observables_write(struct run_writer *writer, bool last)
 {
     int64_t sample;
-    while (observed_next(&writer->observed, last, &sample))
-        TRY(table_row_copy(writer->observables, writer->samples, sample));
+    while (frame_observables_next(&writer->observed, last, &sample))
+        TRY(message_table_row_copy(writer->observables, writer->samples, sample));
     return STATUS_OK;
 }
 
 static enum status tables_flush(struct run_writer *writer, bool last)
 {
-    struct table *tables[] = {writer->samples, writer->observables, writer->wall_states, writer->wall_commands};
+    struct message_table *tables[] = {writer->samples, writer->observables, writer->wall_states, writer->wall_commands};
     TRY(observables_write(writer, last));
     for (size_t k = 0; k < sizeof tables / sizeof *tables; k++) {
         if (tables[k])
-            TRY(table_flush(tables[k], last));
+            TRY(message_table_flush(tables[k], last));
     }
     return h5_file_flush(writer->file);
 }
@@ -552,11 +552,11 @@ enum status run_writer_end(struct run_writer *writer, const shakedown_end_t *end
 
 struct run_counts run_writer_counts(const struct run_writer *writer)
 {
-    return (struct run_counts){.samples = table_rows(writer->samples),
+    return (struct run_counts){.samples = message_table_rows(writer->samples),
                                .frames = (int64_t)writer->series[SERIES_STEP].rows,
                                .contact_frames = (int64_t)writer->series[SERIES_CONTACT_STEP].rows,
-                               .wall_states = writer->wall_states ? table_rows(writer->wall_states) : 0,
-                               .wall_commands = writer->wall_commands ? table_rows(writer->wall_commands) : 0};
+                               .wall_states = writer->wall_states ? message_table_rows(writer->wall_states) : 0,
+                               .wall_commands = writer->wall_commands ? message_table_rows(writer->wall_commands) : 0};
 }
 
 static enum status all_close(struct run_writer *writer)
@@ -568,20 +568,20 @@ static enum status all_close(struct run_writer *writer)
     TRY(h5_series_close(&writer->notes));
     if (H5Tclose(writer->note_type) < 0)
         return status_fail(STATUS_IO, "run.h5: a type cannot be closed");
-    TRY(table_close(writer->samples));
-    TRY(table_close(writer->observables));
-    TRY(table_close(writer->wall_states));
-    TRY(table_close(writer->wall_commands));
+    TRY(message_table_close(writer->samples));
+    TRY(message_table_close(writer->observables));
+    TRY(message_table_close(writer->wall_states));
+    TRY(message_table_close(writer->wall_commands));
     return h5_file_close(writer->file);
 }
 
 static void writer_free(struct run_writer *writer)
 {
-    table_free(writer->samples);
-    table_free(writer->observables);
-    observed_free(&writer->observed);
-    table_free(writer->wall_states);
-    table_free(writer->wall_commands);
+    message_table_free(writer->samples);
+    message_table_free(writer->observables);
+    frame_observables_free(&writer->observed);
+    message_table_free(writer->wall_states);
+    message_table_free(writer->wall_commands);
     free(writer);
 }
 

@@ -3,7 +3,7 @@
 #ifndef SHAKEDOWN_RECORDER_RUN_WRITER_H
 #define SHAKEDOWN_RECORDER_RUN_WRITER_H
 
-#include "recorder/assembly.h"
+#include "recorder/chunk_assembly.h"
 
 struct run_writer;
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "recorder/files.h"
+#include "recorder/file_placement.h"
 
 #define TRAJECTORY "run.h5:/particles/trajectory/"
 

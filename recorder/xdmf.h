@@ -2,7 +2,7 @@
 #ifndef SHAKEDOWN_RECORDER_XDMF_H
 #define SHAKEDOWN_RECORDER_XDMF_H
 
-#include "recorder/assembly.h"
+#include "recorder/chunk_assembly.h"
 
 /* Times of the frames so far; starts as zero. */
 struct xdmf {

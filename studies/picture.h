@@ -5,7 +5,7 @@
 #include <stdbool.h>
 
 #include "common/status.h"
-#include "studies/frame.h"
+#include "studies/run_frame.h"
 
 enum picture_kind {
     PICTURE_NETWORK,   /* 2D: contacts as lines, the wider and darker the stronger [LH fig. 1.3]; attraction in red */

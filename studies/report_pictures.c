@@ -5,9 +5,9 @@
 #include <string.h>
 
 #include "studies/files.h"
-#include "studies/frame.h"
 #include "studies/picture.h"
 #include "studies/report.h"
+#include "studies/run_frame.h"
 
 static const char *const moment_names[MOMENTS] = {"start", "peak", "end"};
 static const char *const kind_names[] = {"network", "particles", "spheres"};

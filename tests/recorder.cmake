@@ -3,7 +3,7 @@
 add_library(test_recorder_support STATIC test_recorder_synthetic.c test_recorder_read.c)
 target_link_libraries(test_recorder_support PUBLIC shakedown_recorder PkgConfig::CMOCKA)
 
-foreach(name test_recorder test_recorder_log test_recorder_fault test_recorder_live test_record_proof)
+foreach(name test_recorder test_recorder_log test_recorder_fault test_recorder_bus test_record_proof)
   add_executable(${name} ${name}.c)
   target_link_libraries(${name} PRIVATE test_recorder_support)
 endforeach()
@@ -21,9 +21,9 @@ add_test(NAME recorder_fault COMMAND test_recorder_fault $<TARGET_FILE:recorder>
 set_tests_properties(recorder_fault PROPERTIES LABELS fault TIMEOUT 120)
 
 # 125: no private network namespace to be had here; in_namespace.sh says why.
-add_test(NAME recorder_live COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/in_namespace.sh $<TARGET_FILE:test_recorder_live>
+add_test(NAME recorder_bus COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/in_namespace.sh $<TARGET_FILE:test_recorder_bus>
                                     $<TARGET_FILE:recorder>)
-set_tests_properties(recorder_live PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 125)
+set_tests_properties(recorder_bus PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 125)
 
 add_test(NAME recorder_full
          COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/in_namespace.sh ${CMAKE_CURRENT_SOURCE_DIR}/test_recorder_full.sh
@@ -34,7 +34,7 @@ add_test(NAME readers COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_readers.sh $<TARG
                               ${PROJECT_SOURCE_DIR}/scenes/quick.cfg ${PROJECT_SOURCE_DIR}/docs/reading.md)
 set_tests_properties(readers PROPERTIES LABELS pipeline TIMEOUT 120 SKIP_RETURN_CODE 125)
 
-foreach(name recorder_fault recorder_live)
+foreach(name recorder_fault recorder_bus)
   set_property(TEST ${name} PROPERTY ENVIRONMENT
                "LSAN_OPTIONS=print_suppressions=0:suppressions=${CMAKE_CURRENT_SOURCE_DIR}/recorder_leaks.supp")
 endforeach()

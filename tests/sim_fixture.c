@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/sample/stage.h"
 #include "sim/sample/time_step.h"
 #include "sim/sample/wall_state.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 void must(enum status status)
 {

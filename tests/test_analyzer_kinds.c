@@ -5,11 +5,11 @@
 #include <string.h>
 
 #include "analyzer/compression.h"
-#include "analyzer/controls.h"
+#include "analyzer/creep_relaxation.h"
 #include "analyzer/cycles.h"
-#include "analyzer/held.h"
 #include "analyzer/shakedown.h"
-#include "analyzer/shear.h"
+#include "analyzer/shear_strength.h"
+#include "analyzer/stage_controls.h"
 #include "analyzer/undrained.h"
 
 #define SAMPLE                                                                                                         \
@@ -45,10 +45,10 @@ static void record(struct run *run, size_t i, const double strain_log[3], const 
     fixture_set(run, OBSERVABLE_SOLID_FRACTION, i, 0, 0.6 * exp(volume));
 }
 
-static struct controls controls_of(const struct run *run)
+static struct stage_controls controls_of(const struct run *run)
 {
-    struct controls controls;
-    controls_find(&controls, run, 0, 0, run->n_samples);
+    struct stage_controls controls;
+    stage_controls_find(&controls, run, 0, 0, run->n_samples);
     return controls;
 }
 
@@ -130,10 +130,10 @@ static void kinds(void **state)
             }
             record(&run, i, strain, stress);
         }
-        const struct controls controls = controls_of(&run);
-        if (controls.kind != cases[c].kind || strcmp(controls_name(&controls, 3), cases[c].name) != 0)
+        const struct stage_controls controls = controls_of(&run);
+        if (controls.kind != cases[c].kind || strcmp(stage_controls_name(&controls, 3), cases[c].name) != 0)
             fail_msg("case %zu%s: kind %d, \"%s\"", c, own ? ", own controller" : "", (int)controls.kind,
-                     controls_name(&controls, 3));
+                     stage_controls_name(&controls, 3));
         run_free(&run);
     }
 }
@@ -280,7 +280,7 @@ static void extension(void **state)
     }
     extracted(&run, &curves, q);
     assert_true(curves.controls.extension);
-    assert_int_equal(shear_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
+    assert_int_equal(shear_strength_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
     assert_near(q[QUANTITY_E_INITIAL].value, 2000, 2000 * 1e-8);
     assert_near(q[QUANTITY_NU].value, 0.2, 1e-8);
     assert_near(q[QUANTITY_DILATANCY_SLOPE].value, 0.6, 1e-9);
@@ -307,7 +307,7 @@ static void secant_from_a_deviator(void **state)
         record(&run, i, (const double[]){-0.2 * eps, -0.2 * eps, eps}, (const double[]){100, 100, 150 + 2000 * eps});
     }
     extracted(&run, &curves, q);
-    assert_int_equal(shear_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
+    assert_int_equal(shear_strength_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
     assert_true(stiffness.n > 2);
     for (int k = 0; k < (int)stiffness.n; k++)
         assert_near(stiffness.row[k].secant_pa, 2000, 2000 * 1e-6); /* a straight line: exact but for rounding */
@@ -334,7 +334,7 @@ static void constant_volume(void **state)
     extracted(&run, &curves, q);
     assert_int_equal(curves.controls.kind, TEST_CONSTANT_VOLUME);
     undrained_evaluate(&curves, q);
-    assert_int_equal(shear_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
+    assert_int_equal(shear_strength_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
     assert_near(q[QUANTITY_P0].value, 100, 1e-10);
     assert_near(q[QUANTITY_R_U_MAX].value, 0.6, 2e-4);
     assert_near(q[QUANTITY_PT_EPS].value, 0.01, 1e-4); /* engineering strain, on the grid of samples */
@@ -399,7 +399,7 @@ static void stress_dilatancy(void **state)
     }
     run.scene->analysis.modulus_strain = 0.01;
     extracted(&run, &curves, q);
-    assert_int_equal(shear_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
+    assert_int_equal(shear_strength_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
     /* local parabolas over 1/20 of the range see the bend of the curve: 1 % */
     assert_near(q[QUANTITY_ROWE_K].value, 3, 0.03);
     assert_near(q[QUANTITY_ROWE_ANGLE].value, 30, 0.3);
@@ -423,7 +423,7 @@ static void held(void **state)
     }
     extracted(&run, &curves, q);
     assert_int_equal(curves.controls.kind, TEST_CREEP);
-    held_evaluate(&curves, q);
+    creep_relaxation_evaluate(&curves, q);
     assert_near(q[QUANTITY_HELD_TIME].value, 0.1, 1e-6);
     assert_near(q[QUANTITY_HELD_RATE].value, 0, 1e-4);
     curves_free(&curves);
@@ -435,7 +435,7 @@ static void held(void **state)
     }
     extracted(&run, &curves, q);
     assert_int_equal(curves.controls.kind, TEST_RELAXATION);
-    held_evaluate(&curves, q);
+    creep_relaxation_evaluate(&curves, q);
     assert_near(q[QUANTITY_RELAXATION_TIME].value, 0.2, 1e-6);
     assert_near(q[QUANTITY_RELAXATION_DROP].value, 1 - (900 + 100 * exp(-5)) / 1000, 1e-12);
     curves_free(&curves);

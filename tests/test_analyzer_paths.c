@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "analyzer/shear.h"
+#include "analyzer/shear_strength.h"
 #include "analyzer/stress_path.h"
 #include "analyzer/true_triaxial.h"
 
@@ -88,7 +88,7 @@ static void evaluate(const struct way *way, uint64_t seed, struct quantity *q)
     struct run run;
     way_run(&run, way, &random);
     assert_int_equal(curves_extract(&curves, &run), STATUS_OK);
-    assert_int_equal(shear_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
+    assert_int_equal(shear_strength_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
     curves_free(&curves);
     run_free(&run);
 }
@@ -203,7 +203,7 @@ static void stress_at_zero_rate(void **state)
                    (const double[]){moves ? 105 : 100, moves ? 105 : 100, 100 + 1e4 * eps + (moves ? 20 : 0)});
         }
         assert_int_equal(curves_extract(&curves, &run), STATUS_OK);
-        assert_int_equal(shear_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
+        assert_int_equal(shear_strength_evaluate(&curves, run.scene, q, &stiffness), STATUS_OK);
         assert_true(isnan(q[QUANTITY_VISCOUS_ZZ].value) == !rests);
         assert_true(isnan(q[QUANTITY_ZERO_RATE_ZZ].value) == !rests);
         if (rests) {

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "analyzer/shear.h"
+#include "analyzer/shear_strength.h"
 
 /* Closed forms of the model. q = 500 (R - 1): peak 300, half of it at R = 1.3, on the straight piece from 0.001. */
 static const double eps50 = 0.001 + 0.005 * 0.1 / 0.328;
@@ -16,7 +16,7 @@ static void evaluate(const struct run *run, struct quantity *q)
     struct curves curves;
     struct stiffness stiffness;
     assert_int_equal(curves_extract(&curves, run), STATUS_OK);
-    assert_int_equal(shear_evaluate(&curves, run->scene, q, &stiffness), STATUS_OK);
+    assert_int_equal(shear_strength_evaluate(&curves, run->scene, q, &stiffness), STATUS_OK);
     curves_free(&curves);
 }
 

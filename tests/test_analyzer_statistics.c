@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "analyzer/curves.h"
-#include "analyzer/shear.h"
+#include "analyzer/shear_strength.h"
 #include "analyzer/statistics.h"
 
 /* Closed forms: dof 1 is Cauchy, dof 2 is 1/2 + t/(2 sqrt(2 + t^2)); 2.262157162740992 is the 97.5 % point at dof 9

@@ -23,7 +23,7 @@
 #include "common/command_line.h"
 #include "common/coupling.h"
 #include "common/message.h"
-#include "common/record_stream.h"
+#include "common/record_sender.h"
 #include "common/signals.h"
 #include "shakedown_record_ack_t.h"
 #include "shakedown_wall_state_t.h"
@@ -162,7 +162,7 @@ static void a_sealed_bus_hears_its_own(void **unused)
     const size_t size = wall_state_encode(&empty, 1, 0, state);
     must(bus_publish(&stranger, "A", state, size));
     must(bus_publish(&other, "A", state, size));
-    must(seal_add(ours.seal, "B", state, size, end));
+    must(message_seal_add(ours.seal, "B", state, size, end));
     must(bus_publish(&stranger, "A", end, size + SEAL_SIZE));
     must(bus_publish(&stranger, "A", "short", 5));
     for (int k = 0; k < 2; k++) {
@@ -188,17 +188,17 @@ static void a_sealed_bus_hears_its_own(void **unused)
 static void a_bad_key_is_refused(void **unused)
 {
     char path[] = "/tmp/test-key-XXXXXX";
-    struct seal *seal;
+    struct message_seal *seal;
     (void)unused;
     close(mkstemp(path));
     key_write(path, "00112233445566778899aabbccddeeff", 0640);
-    assert_int_equal(seal_create(&seal, path), STATUS_IO);
+    assert_int_equal(message_seal_create(&seal, path), STATUS_IO);
     key_write(path, "00112233445566778899aabbccddee", 0600);
-    assert_int_equal(seal_create(&seal, path), STATUS_FORMAT);
+    assert_int_equal(message_seal_create(&seal, path), STATUS_FORMAT);
     key_write(path, "0011223344556677x899aabbccddeeff", 0600);
-    assert_int_equal(seal_create(&seal, path), STATUS_FORMAT);
+    assert_int_equal(message_seal_create(&seal, path), STATUS_FORMAT);
     unlink(path);
-    assert_int_equal(seal_create(&seal, path), STATUS_IO);
+    assert_int_equal(message_seal_create(&seal, path), STATUS_IO);
 }
 
 /* A namespace without any route, in a child so that this one keeps its own. */
@@ -587,42 +587,42 @@ static void recorder_stop(struct recorder *r)
     assert_false(r->damaged);
 }
 
-static enum status record_publish(struct record_stream *stream, enum record_channel channel, size_t size)
+static enum status record_publish(struct record_sender *stream, enum record_channel channel, size_t size)
 {
     static unsigned char bytes[BUS_MESSAGE_MAX];
-    int64_t seq = record_stream_next_seq(stream, channel);
-    return record_stream_publish(stream, channel, bytes, record_make(channel, seq, size, bytes));
+    int64_t seq = record_sender_next_seq(stream, channel);
+    return record_sender_publish(stream, channel, bytes, record_make(channel, seq, size, bytes));
 }
 
 /* 1 + 1 + 60 + 1 records of 40 B to 60 kB; returns what flush says. */
-static enum status run_publish(struct record_stream *stream)
+static enum status run_publish(struct record_sender *stream)
 {
     TRY(record_publish(stream, RECORD_RUN_INFO, 60000));
     TRY(record_publish(stream, RECORD_PARTICLES, 49000));
     for (int k = 0; k < 60; k++) {
         TRY(record_publish(stream, RECORD_SAMPLE, (size_t)(40 + k * 997)));
-        TRY(record_stream_service(stream));
+        TRY(record_sender_service(stream));
     }
     TRY(record_publish(stream, RECORD_END, 1000));
-    return record_stream_flush(stream);
+    return record_sender_flush(stream);
 }
 
 static void stream_run(struct recorder *recorder, int64_t *repeated)
 {
-    struct record_stream *stream = NULL;
+    struct record_sender *stream = NULL;
     struct bus bus;
     recorder_start(recorder);
     must(bus_open(&bus, NULL));
-    must(record_stream_create(&stream, &bus, RUN, 60));
+    must(record_sender_create(&stream, &bus, RUN, 60));
     must(run_publish(stream));
-    assert_int_equal(record_stream_waiting(stream), 0);
-    assert_int_equal(record_stream_total(stream, RECORD_SAMPLE), 60);
-    assert_int_equal(record_stream_total(stream, RECORD_END), 1);
-    *repeated = record_stream_repeated(stream);
+    assert_int_equal(record_sender_waiting(stream), 0);
+    assert_int_equal(record_sender_total(stream, RECORD_SAMPLE), 60);
+    assert_int_equal(record_sender_total(stream, RECORD_END), 1);
+    *repeated = record_sender_repeated(stream);
     recorder_stop(recorder);
     for (int c = 0; c < RECORD_CHANNELS; c++)
-        assert_int_equal(recorder->next_seq[c], record_stream_total(stream, (enum record_channel)c));
-    record_stream_free(stream);
+        assert_int_equal(recorder->next_seq[c], record_sender_total(stream, (enum record_channel)c));
+    record_sender_free(stream);
     bus_close(&bus);
 }
 
@@ -651,22 +651,22 @@ static void stream_survives_loss(void **unused)
 static void stream_gives_up(void **unused)
 {
     struct recorder recorder = {.silent = true};
-    struct record_stream *stream = NULL;
+    struct record_sender *stream = NULL;
     struct bus bus;
     (void)unused;
     must(bus_open(&bus, NULL));
-    must(record_stream_create(&stream, &bus, RUN, 1));
+    must(record_sender_create(&stream, &bus, RUN, 1));
     double start_s = clock_now_s();
     for (int k = 0; k < 10; k++)
         must(record_publish(stream, RECORD_FRAME_CONTACTS, 50000));
     must(bus_open(&recorder.bus, NULL));
-    assert_int_equal(record_stream_waiting(stream), 10);
-    assert_int_equal(record_stream_flush(stream), STATUS_TIMEOUT);
+    assert_int_equal(record_sender_waiting(stream), 10);
+    assert_int_equal(record_sender_flush(stream), STATUS_TIMEOUT);
     assert_non_null(strstr(status_message(), "nothing heard of the recorder of run 4711"));
     assert_true(clock_now_s() - start_s < 15); /* of 1 s */
     /* Rounds of the two that fit the window; one will do on a machine that is busy. */
-    assert_true(record_stream_repeated(stream) >= 2);
-    record_stream_free(stream);
+    assert_true(record_sender_repeated(stream) >= 2);
+    record_sender_free(stream);
     bus_close(&recorder.bus);
     bus_close(&bus);
 }
@@ -686,7 +686,7 @@ static void walls_acknowledge(struct bus *bus, int64_t exchanges)
  * next one waits, and then STATUS_TIMEOUT. */
 static void stream_gives_up_walls(void **unused)
 {
-    struct record_stream *stream = NULL;
+    struct record_sender *stream = NULL;
     struct bus bus, listener;
     unsigned char state[400], command[300];
     int states = 0, commands = 0;
@@ -695,42 +695,42 @@ static void stream_gives_up_walls(void **unused)
     must(bus_subscribe(&listener, CHANNEL_WALL_STATE, count_message, &states));
     must(bus_subscribe(&listener, CHANNEL_WALL_COMMAND, count_message, &commands));
     must(bus_open(&bus, NULL));
-    must(record_stream_create(&stream, &bus, RUN, 1));
+    must(record_sender_create(&stream, &bus, RUN, 1));
     for (int64_t seq = 0; seq < WALLS_WINDOW; seq++) {
-        must(record_stream_wait_for_walls(stream, seq));
-        record_stream_keep_wall(stream, false, seq, state, record_make(0, seq, sizeof state, state));
-        record_stream_keep_wall(stream, true, seq, command, record_make(1, seq, sizeof command, command));
+        must(record_sender_wait_for_walls(stream, seq));
+        record_sender_keep_wall(stream, false, seq, state, record_make(0, seq, sizeof state, state));
+        record_sender_keep_wall(stream, true, seq, command, record_make(1, seq, sizeof command, command));
     }
     drain(&listener, 100);
     assert_int_equal(states + commands, 0); /* whoever keeps them has sent them */
-    assert_int_equal(record_stream_wait_for_walls(stream, WALLS_WINDOW), STATUS_TIMEOUT);
+    assert_int_equal(record_sender_wait_for_walls(stream, WALLS_WINDOW), STATUS_TIMEOUT);
     assert_non_null(strstr(status_message(), "16 exchanges of the walls wait for it"));
     drain(&listener, 100);
     walls_acknowledge(&listener, WALLS_WINDOW + 2); /* of what never was: not to be believed */
-    assert_int_equal(record_stream_wait_for_walls(stream, WALLS_WINDOW), STATUS_TIMEOUT);
+    assert_int_equal(record_sender_wait_for_walls(stream, WALLS_WINDOW), STATUS_TIMEOUT);
     walls_acknowledge(&listener, 1);
     enum status status = STATUS_TIMEOUT; /* until LCM's thread has handed it over */
     for (int k = 0; k < 1000 && status == STATUS_TIMEOUT; k++)
-        status = record_stream_wait_for_walls(stream, WALLS_WINDOW);
+        status = record_sender_wait_for_walls(stream, WALLS_WINDOW);
     must(status);
     drain(&listener, 100);
     assert_true(states >= WALLS_WINDOW && commands >= WALLS_WINDOW);
-    assert_int_equal(record_stream_repeated(stream), states + commands);
-    record_stream_free(stream);
+    assert_int_equal(record_sender_repeated(stream), states + commands);
+    record_sender_free(stream);
     bus_close(&listener);
     bus_close(&bus);
 }
 
 static void stream_keeps_its_window(void **unused)
 {
-    struct record_stream *stream = NULL;
+    struct record_sender *stream = NULL;
     struct bus bus, listener;
     int count = 0;
     (void)unused;
     must(bus_open(&listener, NULL));
     must(bus_subscribe(&listener, "FRAME_CONTACTS", count_message, &count));
     must(bus_open(&bus, NULL));
-    must(record_stream_create(&stream, &bus, RUN, 30));
+    must(record_sender_create(&stream, &bus, RUN, 30));
     for (int k = 0; k < 10; k++)
         must(record_publish(stream, RECORD_FRAME_CONTACTS, 50000));
     bool handled = true;
@@ -738,8 +738,8 @@ static void stream_keeps_its_window(void **unused)
         must(bus_handle(&listener, 10000, &handled));
     drain(&listener, 200);
     /* 2 x 50 kB fit into 128 kB, 3 do not; if this took over 100 ms the same two may have been repeated. */
-    assert_int_equal(count, 2 + record_stream_repeated(stream));
-    record_stream_free(stream);
+    assert_int_equal(count, 2 + record_sender_repeated(stream));
+    record_sender_free(stream);
     bus_close(&listener);
     bus_close(&bus);
 }
@@ -747,17 +747,17 @@ static void stream_keeps_its_window(void **unused)
 static void stream_hears_of_a_full_disk(void **unused)
 {
     struct recorder recorder = {.failed = true};
-    struct record_stream *stream = NULL;
+    struct record_sender *stream = NULL;
     struct bus bus;
     (void)unused;
     recorder_start(&recorder);
     must(bus_open(&bus, NULL));
-    must(record_stream_create(&stream, &bus, RUN, 60));
+    must(record_sender_create(&stream, &bus, RUN, 60));
     assert_int_equal(run_publish(stream), STATUS_IO);
     assert_non_null(strstr(status_message(), "disk full"));
     assert_int_equal(record_publish(stream, RECORD_SAMPLE, 100), STATUS_IO); /* and it stays so */
     recorder_stop(&recorder);
-    record_stream_free(stream);
+    record_sender_free(stream);
     bus_close(&bus);
 }
 
@@ -765,7 +765,7 @@ static void stream_hears_of_a_full_disk(void **unused)
 static void stream_believes_only_its_recorder(void **unused)
 {
     struct recorder liar = {0};
-    struct record_stream *stream = NULL;
+    struct record_sender *stream = NULL;
     struct bus bus;
     unsigned char bytes[256] = {0};
     int64_t counts[7] = {1, 1, 1, 1, 1, 1, 1};
@@ -773,7 +773,7 @@ static void stream_believes_only_its_recorder(void **unused)
     (void)unused;
     must(bus_open(&liar.bus, NULL));
     must(bus_open(&bus, NULL));
-    must(record_stream_create(&stream, &bus, RUN, 0.4));
+    must(record_sender_create(&stream, &bus, RUN, 0.4));
     must(record_publish(stream, RECORD_SAMPLE, 1000));
     liar.next_seq[RECORD_SAMPLE] = 1;
     ack_send(&liar, RUN + 1, true);
@@ -784,10 +784,10 @@ static void stream_believes_only_its_recorder(void **unused)
     bytes[8 + 32] = 0x20; /* the count */
     must(bus_publish(&liar.bus, CHANNEL_RECORD_ACK, bytes, (size_t)size));
     must(bus_publish(&liar.bus, CHANNEL_RECORD_ACK, bytes, 3));
-    assert_int_equal(record_stream_flush(stream), STATUS_TIMEOUT);
-    assert_int_equal(record_stream_waiting(stream), 1);
+    assert_int_equal(record_sender_flush(stream), STATUS_TIMEOUT);
+    assert_int_equal(record_sender_waiting(stream), 1);
     assert_false(liar.damaged);
-    record_stream_free(stream);
+    record_sender_free(stream);
     bus_close(&liar.bus);
     bus_close(&bus);
 }
@@ -795,35 +795,35 @@ static void stream_believes_only_its_recorder(void **unused)
 static void stream_checks_its_records(void **unused)
 {
     static unsigned char bytes[BUS_MESSAGE_MAX + 1];
-    struct record_stream *stream = NULL;
+    struct record_sender *stream = NULL;
     struct bus bus;
     (void)unused;
     must(bus_open(&bus, NULL));
-    must(record_stream_create(&stream, &bus, RUN + 1, 1));
+    must(record_sender_create(&stream, &bus, RUN + 1, 1));
     assert_int_equal(record_publish(stream, RECORD_SAMPLE, 100), STATUS_FORMAT); /* run_id */
-    record_stream_free(stream);
-    must(record_stream_create(&stream, &bus, RUN, 1));
-    assert_int_equal(record_stream_publish(stream, RECORD_SAMPLE, bytes, record_make(0, 1, 100, bytes)), STATUS_FORMAT);
-    assert_int_equal(record_stream_publish(stream, RECORD_SAMPLE, bytes, 10), STATUS_FORMAT);
-    assert_int_equal(record_stream_publish(stream, RECORD_SAMPLE, bytes, sizeof bytes), STATUS_LIMIT);
-    assert_int_equal(record_stream_total(stream, RECORD_SAMPLE), 0);
-    record_stream_free(stream);
+    record_sender_free(stream);
+    must(record_sender_create(&stream, &bus, RUN, 1));
+    assert_int_equal(record_sender_publish(stream, RECORD_SAMPLE, bytes, record_make(0, 1, 100, bytes)), STATUS_FORMAT);
+    assert_int_equal(record_sender_publish(stream, RECORD_SAMPLE, bytes, 10), STATUS_FORMAT);
+    assert_int_equal(record_sender_publish(stream, RECORD_SAMPLE, bytes, sizeof bytes), STATUS_LIMIT);
+    assert_int_equal(record_sender_total(stream, RECORD_SAMPLE), 0);
+    record_sender_free(stream);
     bus_close(&bus);
 }
 
 static void stream_into_a_log_waits_for_nobody(void **unused)
 {
     char path[64], url[96];
-    struct record_stream *stream = NULL;
+    struct record_sender *stream = NULL;
     struct bus bus;
     (void)unused;
     temporary_path(path);
     snprintf(url, sizeof url, "file://%s?mode=w", path);
     must(bus_open(&bus, url));
-    must(record_stream_create(&stream, &bus, RUN, 0.1));
+    must(record_sender_create(&stream, &bus, RUN, 0.1));
     must(run_publish(stream));
-    assert_int_equal(record_stream_waiting(stream), 0);
-    record_stream_free(stream);
+    assert_int_equal(record_sender_waiting(stream), 0);
+    record_sender_free(stream);
     bus_close(&bus);
     snprintf(url, sizeof url, "file://%s", path);
     must(bus_open(&bus, url));

@@ -14,7 +14,7 @@
 #include <cmocka.h>
 
 #include "common/scene_file.h"
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/run/checkpoint.h"
 #include "sim/run/checkpoint_file.h"
 #include "sim/run/sample_source.h"
@@ -23,7 +23,7 @@
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
 #include "sim/sample/wall_state.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 static const char path[] = "test_checkpoint.h5";
 
@@ -209,9 +209,9 @@ static double history_expected(struct sample *from, int c, int old)
 static int check_history(struct sample *from, const struct sample *to)
 {
     /* a float has half a unit in the last place, 6e-8; with what rounding left, the square of that */
-    const double rounding = !to->pairs.model.single    ? (from->pairs.model.single ? 1e-14 : 0)
-                            : from->pairs.model.single ? 1e-14
-                                                       : 6e-8;
+    const double rounding = !to->pairs.model.mixed    ? (from->pairs.model.mixed ? 1e-14 : 0)
+                            : from->pairs.model.mixed ? 1e-14
+                                                      : 6e-8;
     int values = 0;
     for (int k = 0; k < to->pairs.count; k++) {
         int i = to->pairs.i[k], j = to->pairs.j[k], old = 0;
@@ -222,7 +222,7 @@ static int check_history(struct sample *from, const struct sample *to)
                 continue;
             const double expected = history_expected(from, c, old), value = contact_list_whole(&to->pairs, c, k);
             const bool starts = !history_has(&from->pairs.model, c); /* as a float */
-            const double allowed = starts && to->pairs.model.single ? 6e-8 : rounding;
+            const double allowed = starts && to->pairs.model.mixed ? 6e-8 : rounding;
             assert_close(history_field(c)->name, value, expected, allowed * fabs(expected));
             values += value != 0;
         }

@@ -10,7 +10,7 @@
 
 #include "sim/run/command_check.h"
 #include "wall_fixture.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 static void refused(const struct scene *scene, const struct wall_state *state, const struct wall_command *command,
                     const char *part)

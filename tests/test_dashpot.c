@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/look/measure.h"
-#include "sim/look/step_limit.h"
+#include "sim/measure/measure.h"
+#include "sim/measure/step_limit.h"
 #include "sim/sample/contact_state.h"
 #include "sim/sample/step_completion.h"
 

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "recorder/convert.h"
+#include "recorder/log_conversion.h"
 #include "sim/grains/particle_order.h"
 #include "sim/run/records.h"
 #include "sim/sample/contact_state.h"
@@ -76,24 +76,24 @@ static void record(struct sample *sample, const char *directory)
 {
     char log[80], url[128];
     struct bus bus;
-    struct record_stream *stream;
+    struct record_sender *stream;
     struct records records;
-    struct recording *recording;
+    struct record_receiver *recording;
     snprintf(log, sizeof log, "%s/in.lcm", directory);
     snprintf(url, sizeof url, "file://%s?mode=w", log);
     must(bus_open(&bus, url));
-    must(record_stream_create(&stream, &bus, 1, 1));
+    must(record_sender_create(&stream, &bus, 1, 1));
     records_init(&records, stream, 1);
     must(records_send_start(&records, sample, NULL, NULL));
     must(records_send_frame(&records, sample_complete(sample)));
     must(bus_flush(&bus));
-    record_stream_free(stream);
+    record_sender_free(stream);
     bus_close(&bus);
-    const struct recording_options options = {.directory = directory, .any_run = true, .from_log = true};
-    must(recording_create(&recording, &options));
+    const struct record_receiver_options options = {.directory = directory, .any_run = true, .from_log = true};
+    must(record_receiver_create(&recording, &options));
     assert_int_equal(convert_log(recording, log), STATUS_INCOMPLETE); /* no END */
-    assert_int_equal(recording_drops(recording)->malformed, 0);
-    recording_free(recording);
+    assert_int_equal(record_receiver_drops(recording)->malformed, 0);
+    record_receiver_free(recording);
     assert_int_equal(unlink(log), 0);
 }
 

@@ -15,13 +15,13 @@ static const char *const precision[] = {"", "precision = \"mixed\";"};
 static const double way[FLYERS] = {-1.1e-7, 1.3e-10, -1.7e-13, 1.9e-16, -1.6e-19};
 
 /* Side by side, across the middle of the box. */
-static struct fixture flight(int dimension, bool single)
+static struct fixture flight(int dimension, bool mixed)
 {
     const struct fixture_options options = {.dimension = dimension,
                                             .count = FLYERS,
                                             .dt_s = DT,
                                             .material = "kn_n_per_m = 1e5; mu_s = 0.5; kt_n_per_m = 1e5;",
-                                            .more = precision[single]};
+                                            .more = precision[mixed]};
     struct fixture f = fixture_open(&options);
     struct particles *p = &f.sample->particles;
     for (int i = 0; i < FLYERS; i++)
@@ -39,9 +39,9 @@ static struct fixture flight(int dimension, bool single)
 /* Each step rounds a position to the last place of what it is kept in: in double 2^-53 of the coordinate; in mixed
  * precision 2^-26 of a quantum, which is at most 2^-28 of the skin (docs/theory.md), beside 2^-53 at each of the lists.
  * All could go the same way. */
-static void flies(int dimension, bool single)
+static void flies(int dimension, bool mixed)
 {
-    struct fixture f = flight(dimension, single);
+    struct fixture f = flight(dimension, mixed);
     struct particles *p = &f.sample->particles;
     double start[FLYERS], v[FLYERS], omega[FLYERS];
     for (int i = 0; i < FLYERS; i++) {
@@ -51,12 +51,12 @@ static void flies(int dimension, bool single)
     }
     fixture_steps(&f, STEPS);
     (void)sample_complete(f.sample);
-    const double place = single ? 0x1p-26 * p->quantum : 0x1p-53 * start[0];
+    const double place = mixed ? 0x1p-26 * p->quantum : 0x1p-53 * start[0];
     for (int i = 0; i < FLYERS; i++) {
         const double went = p->x[0][i] - start[i], expected = v[i] * DT * STEPS;
         const double rounding =
-            STEPS * place + (single ? 4 * 0x1p-53 * start[0] * (double)f.sample->verlet.rebuilds : 0);
-        print_message("%dD %-22s %8.1e m a step: off by %8.1e of the way\n", dimension, precision[single], way[i],
+            STEPS * place + (mixed ? 4 * 0x1p-53 * start[0] * (double)f.sample->verlet.rebuilds : 0);
+        print_message("%dD %-22s %8.1e m a step: off by %8.1e of the way\n", dimension, precision[mixed], way[i],
                       went / expected - 1);
         assert_true(p->v[0][i] == v[i] && p->omega[0][i] == omega[i] && p->v[dimension - 1][i] == 0);
         assert_close("way", went, expected, rounding + 1e-12 * fabs(expected));

@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/sample/stage.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
 #include "sim/sample/wall_state.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 static const double PI = 3.14159265358979323846;
 static const char quick[] = SCENES "/triaxial_quick.cfg"; /* 216 spheres; 65 000 steps of preparation, then cycles */

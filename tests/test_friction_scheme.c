@@ -8,7 +8,7 @@
 
 #include "sim/base/random.h"
 #include "sim/lanes/lanes_reference.h"
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/sample/step_completion.h"
 
 static const double PI = 3.14159265358979323846;
@@ -37,7 +37,7 @@ static double spring_energy(struct fixture *f, int steps)
 }
 
 /* A sphere that gravity presses on the floor swings on its tangential spring, with no damping at all. */
-static double amplitude_after(int dimension, bool single, int periods, int steps_a_period)
+static double amplitude_after(int dimension, bool mixed, int periods, int steps_a_period)
 {
     const double k = 1e5, kt = 2e4, m = mass_of(1e-3), g = 100, arm = 1 - m * g / k / 1e-3;
     const double period = 2 * PI / sqrt((1 + 2.5 * arm * arm) * kt / m);
@@ -45,7 +45,7 @@ static double amplitude_after(int dimension, bool single, int periods, int steps
                                       .count = 1,
                                       .dt_s = period / steps_a_period,
                                       .material = "kn_n_per_m = 1e5; mu_s = 50.0; kt_n_per_m = 2e4;",
-                                      .more = precision[single]};
+                                      .more = precision[mixed]};
     struct fixture f = fixture_open(&options);
     struct particles *p = &f.sample->particles;
     const int last = dimension - 1;
@@ -110,23 +110,23 @@ static void springs_turn(void **state)
 {
     static const double axes[3][3] = {{0, 0, 1}, {1, 0, 0}, {0.6, 0, 0.8}};
     (void)state;
-    for (int single = 0; single < 2; single++)
+    for (int mixed = 0; mixed < 2; mixed++)
         for (int k = 0; k < 3; k++) {
             const double start[3] = {0, 0.6, 0.8};
             double spring[3] = {0, 0.6, 0.8}, expected[3], apart = 0, length = 0;
             for (int law = 0; law < LAW_COUNT; law++) {
                 memcpy(spring, start, sizeof spring);
-                turns[law][single](axes[k], 1e-3, 10000, spring);
+                turns[law][mixed](axes[k], 1e-3, 10000, spring);
             }
             turn_about(axes[k], 10, start, expected);
             for (int c = 0; c < 3; c++) {
                 apart += (spring[c] - expected[c]) * (spring[c] - expected[c]);
                 length += spring[c] * spring[c];
             }
-            print_message("%s, axis (%g %g %g): length off by %.2g, apart by %.2g\n", single ? "float" : "double",
+            print_message("%s, axis (%g %g %g): length off by %.2g, apart by %.2g\n", mixed ? "float" : "double",
                           axes[k][0], axes[k][1], axes[k][2], sqrt(length) - 1, sqrt(apart));
-            assert_close("length", sqrt(length), 1, single ? 1e-4 : 2e-6);
-            assert_close("direction", sqrt(apart), 0, single ? 1e-4 : 5e-6);
+            assert_close("length", sqrt(length), 1, mixed ? 1e-4 : 2e-6);
+            assert_close("direction", sqrt(apart), 0, mixed ? 1e-4 : 5e-6);
         }
 }
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/sample/energy.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"

@@ -6,10 +6,10 @@ root=$1
 cd "$root" || exit 1
 
 # A room includes itself and those before it.
-rooms=(base lanes law grains contacts neighbours kernels sample look run)
+rooms=(base lanes law grains contacts neighbours kernels sample measure run)
 
 # What a folder includes beside itself; the programs of bench/, studies/ and tests/ may look at everything.
-declare -A allowed=([common]="" [wallctl]="common/" [sim]="common/ wallctl/law.h" [recorder]="common/"
+declare -A allowed=([common]="" [wallctl]="common/" [sim]="common/ wallctl/control_law.h" [recorder]="common/"
     [analyzer]="common/" [launcher]="common/" [export]="common/")
 
 failed=0

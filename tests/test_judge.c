@@ -5,11 +5,11 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "sim/look/at_rest.h"
-#include "sim/look/measure.h"
-#include "sim/look/stage_watch.h"
-#include "sim/look/step_limit.h"
-#include "sim/look/strain_limit.h"
+#include "sim/measure/at_rest.h"
+#include "sim/measure/measure.h"
+#include "sim/measure/stage_watch.h"
+#include "sim/measure/step_limit.h"
+#include "sim/measure/strain_limit.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
 

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "wall_fixture.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 /* Walls of the 2D box. */
 enum { X_LO, X_HI, Z_LO, Z_HI };

@@ -10,7 +10,7 @@
 
 #include "sim/base/random.h"
 #include "sim/grains/particle_order.h"
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/neighbours/locality_order.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"

@@ -9,7 +9,7 @@
 #include "bench/child.h"
 #include "bench/peers_bench.h"
 #include "bench/peers_output.h"
-#include "bench/prepare.h"
+#include "bench/prepared_sample.h"
 #include "common/scene_file.h"
 #include "sim_fixture.h"
 

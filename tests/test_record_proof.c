@@ -12,7 +12,7 @@
 #include "common/event_log.h"
 #include "common/record_hash.h"
 #include "common/wire.h"
-#include "recorder/convert.h"
+#include "recorder/log_conversion.h"
 #include "recorder/run_frames.h"
 #include "test_recorder_synthetic.h"
 
@@ -138,7 +138,7 @@ static void a_log_is_cut_not_lengthened(void **state)
 struct bench {
     char directory[64];
     struct synthetic_run run;
-    struct recording *recording;
+    struct record_receiver *recording;
 };
 
 /* With 20 exchanges of the walls, and the CHECKPOINT behind all records or before most of them: then END is the only
@@ -151,14 +151,14 @@ static void bench_open(struct bench *bench, bool checkpoint_first)
     options.checkpoint_first = checkpoint_first;
     synthetic_directory(bench->directory);
     synthetic_create(&bench->run, &options);
-    const struct recording_options recording = {
+    const struct record_receiver_options recording = {
         .directory = bench->directory, .run_id = options.run_id, .remake = convert_into};
-    assert_int_equal(recording_create(&bench->recording, &recording), STATUS_OK);
+    assert_int_equal(record_receiver_create(&bench->recording, &recording), STATUS_OK);
 }
 
 static void bench_close(struct bench *bench)
 {
-    recording_free(bench->recording);
+    record_receiver_free(bench->recording);
     synthetic_free(&bench->run);
     synthetic_directory_remove(bench->directory);
 }
@@ -166,7 +166,8 @@ static void bench_close(struct bench *bench)
 static void give(struct bench *bench, const struct synthetic_message *message)
 {
     enum recording_answer answer;
-    assert_int_equal(recording_take(bench->recording, message->kind, message->data, message->size, &answer), STATUS_OK);
+    assert_int_equal(record_receiver_take(bench->recording, message->kind, message->data, message->size, &answer),
+                     STATUS_OK);
 }
 
 /* A byte that may be any other: the last of time_s in the header; in frames, whose chunks have one time, of the last
@@ -191,12 +192,12 @@ static void expect_another_record_found(int kind, bool checkpoint_first)
     const size_t proof = bench.run.count - (checkpoint_first ? 1 : 2); /* END, or the CHECKPOINT before it */
     for (size_t k = 0; status == STATUS_OK && k <= proof; k++) {
         const struct synthetic_message *message = &bench.run.messages[k];
-        status = recording_take(bench.recording, message->kind, message->data, message->size, &answer);
+        status = record_receiver_take(bench.recording, message->kind, message->data, message->size, &answer);
     }
     assert_int_equal(status, STATUS_INCOMPLETE);
     assert_non_null(strstr(status_message(), record_channel_name[kind]));
     assert_non_null(strstr(status_message(), "not those that were sent"));
-    assert_false(recording_end_matches(bench.recording));
+    assert_false(record_receiver_end_matches(bench.recording));
     bench_close(&bench);
 }
 
@@ -234,9 +235,9 @@ static void expect_no_end(int missing_kind, int missing, int kind, int less)
     const int size = shakedown_end_t_encode(bytes, 0, sizeof bytes, &message.end);
     assert_true(size > 0);
     message_free(last->kind, &message);
-    assert_int_equal(recording_take(bench.recording, RECORD_END, bytes, (size_t)size, &answer), STATUS_OK);
-    assert_false(recording_end_matches(bench.recording));
-    assert_int_equal(recording_finish(bench.recording), STATUS_INCOMPLETE);
+    assert_int_equal(record_receiver_take(bench.recording, RECORD_END, bytes, (size_t)size, &answer), STATUS_OK);
+    assert_false(record_receiver_end_matches(bench.recording));
+    assert_int_equal(record_receiver_finish(bench.recording), STATUS_INCOMPLETE);
     bench_close(&bench);
 }
 
@@ -255,7 +256,7 @@ static void end_counts_what_is_there(void **state)
 static void early_ones_are_kept(void **state)
 {
     struct bench bench;
-    struct recording_ack ack;
+    struct record_receiver_ack ack;
     (void)state;
     bench_open(&bench, false);
     const size_t first = (size_t)(nth(&bench.run, RECORD_SAMPLE, 0) - bench.run.messages);
@@ -263,12 +264,12 @@ static void early_ones_are_kept(void **state)
         give(&bench, &bench.run.messages[k]);
     for (int early = 1; early <= 3; early++)
         give(&bench, nth(&bench.run, RECORD_SAMPLE, early));
-    recording_ack(bench.recording, &ack);
+    record_receiver_ack(bench.recording, &ack);
     assert_int_equal(ack.message.n_held, 3);
     for (int k = 0; k < 3; k++)
         assert_true(ack.held_channel[k] == RECORD_SAMPLE && ack.held_seq[k] == k + 1);
     give(&bench, nth(&bench.run, RECORD_SAMPLE, 0));
-    recording_ack(bench.recording, &ack);
+    record_receiver_ack(bench.recording, &ack);
     assert_true(ack.message.n_held == 0 && ack.next_seq[RECORD_SAMPLE] == 4);
     bench_close(&bench);
 }
@@ -287,11 +288,11 @@ static void chunks_come_in_their_order(void **state)
             give(&bench, each);
         third->data[SEQ_END]--;
         give(&bench, third);
-        assert_int_equal(recording_drops(bench.recording)->malformed, 1);
+        assert_int_equal(record_receiver_drops(bench.recording)->malformed, 1);
         third->data[SEQ_END]++;
         give(&bench, second);
         give(&bench, third);
-        assert_int_equal(recording_drops(bench.recording)->malformed, 1);
+        assert_int_equal(record_receiver_drops(bench.recording)->malformed, 1);
         bench_close(&bench);
     }
 }
@@ -337,7 +338,7 @@ static void contacts_have_two_ends(void **state)
     bench_open(&bench, false);
     for (size_t k = 0; k < bench.run.count; k++)
         give(&bench, &bench.run.messages[k]);
-    assert_int_equal(recording_finish(bench.recording), STATUS_OK);
+    assert_int_equal(record_receiver_finish(bench.recording), STATUS_OK);
     snprintf(path, sizeof path, "%s/run.h5", bench.directory);
     assert_int_equal(frame_read(path, 1), STATUS_OK);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {

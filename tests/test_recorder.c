@@ -12,8 +12,8 @@
 #include "common/coupling.h"
 #include "common/history_kind.h"
 #include "common/message.h"
-#include "recorder/convert.h"
-#include "recorder/observed.h"
+#include "recorder/frame_observables.h"
+#include "recorder/log_conversion.h"
 #include "test_recorder_read.h"
 #include "test_recorder_synthetic.h"
 
@@ -21,16 +21,16 @@
 struct bench {
     char directory[64];
     struct synthetic_run run;
-    struct recording *recording;
+    struct record_receiver *recording;
 };
 
 static void bench_open(struct bench *bench, const struct synthetic_options *options)
 {
     synthetic_directory(bench->directory);
     synthetic_create(&bench->run, options);
-    const struct recording_options recording = {
+    const struct record_receiver_options recording = {
         .directory = bench->directory, .run_id = options->run_id, .remake = convert_into};
-    assert_int_equal(recording_create(&bench->recording, &recording), STATUS_OK);
+    assert_int_equal(record_receiver_create(&bench->recording, &recording), STATUS_OK);
 }
 
 /* With so many exchanges recorded. */
@@ -44,7 +44,7 @@ static void bench_open_walls(struct bench *bench, int n_exchanges)
 
 static void bench_close(struct bench *bench)
 {
-    recording_free(bench->recording);
+    record_receiver_free(bench->recording);
     synthetic_free(&bench->run);
     synthetic_directory_remove(bench->directory);
 }
@@ -52,7 +52,7 @@ static void bench_close(struct bench *bench)
 static enum recording_answer give_bytes(struct bench *bench, int kind, const void *data, size_t size)
 {
     enum recording_answer answer;
-    assert_int_equal(recording_take(bench->recording, kind, data, size, &answer), STATUS_OK);
+    assert_int_equal(record_receiver_take(bench->recording, kind, data, size, &answer), STATUS_OK);
     return answer;
 }
 
@@ -229,9 +229,9 @@ static void check_run(const struct bench *bench)
 
 static void finish_complete(struct bench *bench)
 {
-    assert_true(recording_end_matches(bench->recording));
-    assert_int_equal(recording_finish(bench->recording), STATUS_OK);
-    assert_true(recording_is_complete(bench->recording));
+    assert_true(record_receiver_end_matches(bench->recording));
+    assert_int_equal(record_receiver_finish(bench->recording), STATUS_OK);
+    assert_true(record_receiver_is_complete(bench->recording));
     check_run(bench);
 }
 
@@ -384,7 +384,7 @@ static void test_bad_history(void **state)
     chunk.frame_contacts.n_history--;
     const int size = shakedown_frame_contacts_t_encode(bytes, 0, sizeof bytes, &chunk.frame_contacts);
     give_bytes(&bench, whole->kind, bytes, (size_t)size);
-    assert_int_equal(recording_drops(bench.recording)->malformed, 1);
+    assert_int_equal(record_receiver_drops(bench.recording)->malformed, 1);
     chunk.frame_contacts.n_history++;
     message_free(whole->kind, &chunk);
     give_all(&bench);
@@ -399,10 +399,10 @@ static void test_gaps_and_repeats(void **state)
     (void)state;
     bench_open(&bench, &synthetic_default);
     /* A sender that repeats everything over a bus that loses one of four messages and doubles one of four. */
-    for (int round = 0; round < 200 && !recording_end_matches(bench.recording); round++) {
+    for (int round = 0; round < 200 && !record_receiver_end_matches(bench.recording); round++) {
         int64_t seen[RECORD_CHANNELS] = {0};
-        struct recording_ack ack;
-        recording_ack(bench.recording, &ack);
+        struct record_receiver_ack ack;
+        record_receiver_ack(bench.recording, &ack);
         for (size_t k = 0; k < bench.run.count; k++) {
             const struct synthetic_message *message = &bench.run.messages[k];
             uint64_t dice = synthetic_random(&random) % 4;
@@ -413,9 +413,9 @@ static void test_gaps_and_repeats(void **state)
                 give(&bench, message);
         }
     }
-    assert_true(recording_drops(bench.recording)->repeated > 0);
-    assert_true(recording_drops(bench.recording)->early > 0);
-    assert_int_equal(recording_drops(bench.recording)->malformed, 0);
+    assert_true(record_receiver_drops(bench.recording)->repeated > 0);
+    assert_true(record_receiver_drops(bench.recording)->early > 0);
+    assert_int_equal(record_receiver_drops(bench.recording)->malformed, 0);
     finish_complete(&bench);
     bench_close(&bench);
 }
@@ -435,11 +435,11 @@ static void test_answers(void **state)
     assert_int_equal(give(&bench, &messages[sample + 1]), ANSWER_NOW); /* again */
     assert_int_equal(give(&bench, &messages[sample + 3]), ANSWER_NOW); /* gap */
     assert_int_equal(give(&bench, &messages[bench.run.count - 1]), ANSWER_NOW);
-    assert_false(recording_end_matches(bench.recording));
+    assert_false(record_receiver_end_matches(bench.recording));
     give_all(&bench);
     finish_complete(&bench);
-    struct recording_ack ack;
-    recording_ack(bench.recording, &ack);
+    struct record_receiver_ack ack;
+    record_receiver_ack(bench.recording, &ack);
     assert_true(ack.message.complete && ack.message.n_held == 0);
     assert_true(ack.next_seq[RECORD_SAMPLE] == synthetic_default.n_samples && ack.next_seq[RECORD_END] == 1);
     bench_close(&bench);
@@ -460,8 +460,8 @@ static void test_foreign_and_oversized(void **state)
         assert_int_equal(give_bytes(&bench, RECORD_SAMPLE, large, BUS_MESSAGE_MAX + 1), ANSWER_NONE);
         give(&bench, &bench.run.messages[k]);
     }
-    assert_int_equal(recording_drops(bench.recording)->foreign, other.count);
-    assert_int_equal(recording_drops(bench.recording)->oversized, other.count);
+    assert_int_equal(record_receiver_drops(bench.recording)->foreign, other.count);
+    assert_int_equal(record_receiver_drops(bench.recording)->oversized, other.count);
     finish_complete(&bench);
     free(large);
     synthetic_free(&other);
@@ -572,7 +572,7 @@ static void test_fuzz_recording(void **state)
         }
         give(&bench, message);
     }
-    assert_true(recording_drops(bench.recording)->malformed > 0);
+    assert_true(record_receiver_drops(bench.recording)->malformed > 0);
     finish_complete(&bench);
     bench_close(&bench);
 }
@@ -594,7 +594,7 @@ static void test_misfits(void **state)
         for (size_t k = 0; k < last_chunk; k++)
             give(&bench, &bench.run.messages[find(&bench.run, kind, (int)k)]);
         give(&bench, &other.messages[find(&other, kind, (int)last_chunk)]);
-        assert_int_equal(recording_drops(bench.recording)->malformed, kind);
+        assert_int_equal(record_receiver_drops(bench.recording)->malformed, kind);
         for (int k = (int)last_chunk; k < bench.run.next_seq[kind]; k++)
             give(&bench, &bench.run.messages[find(&bench.run, kind, k)]);
     }
@@ -619,8 +619,8 @@ static void lose_one(int kind, int n)
                 give(&bench, &bench.run.messages[k]);
         }
     }
-    assert_false(recording_end_matches(bench.recording));
-    assert_int_equal(recording_finish(bench.recording), STATUS_INCOMPLETE);
+    assert_false(record_receiver_end_matches(bench.recording));
+    assert_int_equal(record_receiver_finish(bench.recording), STATUS_INCOMPLETE);
     if (kind == RECORD_RUN_INFO) { /* nothing could be kept */
         char path[128];
         snprintf(path, sizeof path, "%s/run.h5", bench.directory);
@@ -656,7 +656,7 @@ static void test_walls_before_run_info_and_repeated(void **state)
         give(&bench, &bench.run.messages[find(&bench.run, MESSAGE_WALL_COMMAND, k)]);
     }
     give_all(&bench);
-    assert_int_equal(recording_drops(bench.recording)->repeated, 30);
+    assert_int_equal(record_receiver_drops(bench.recording)->repeated, 30);
     finish_complete(&bench);
     bench_close(&bench);
 }
@@ -677,7 +677,7 @@ static void test_walls_out_of_order(void **state)
         if (message->kind != MESSAGE_WALL_COMMAND)
             give(&bench, message);
     }
-    assert_int_equal(recording_drops(bench.recording)->repeated, 50);
+    assert_int_equal(record_receiver_drops(bench.recording)->repeated, 50);
     finish_complete(&bench);
     bench_close(&bench);
 }
@@ -700,7 +700,7 @@ static void test_walls_lost_and_sent_again(void **state)
     for (size_t k = 0; k < first; k++)
         give(&bench, &bench.run.messages[k]);
     give(&bench, &bench.run.messages[first + window]);
-    assert_int_equal(recording_drops(bench.recording)->early, 1);
+    assert_int_equal(record_receiver_drops(bench.recording)->early, 1);
     for (size_t start = first; start < checkpoint; start += window) {
         for (size_t k = start; k < start + window; k++) {
             if (synthetic_random(&random) % 3 > 0)
@@ -710,7 +710,7 @@ static void test_walls_lost_and_sent_again(void **state)
         for (size_t k = start + window; k-- > start;)
             give(&bench, &bench.run.messages[k]);
     }
-    assert_int_equal(recording_drops(bench.recording)->early, 6); /* each window's checkpoint came too early */
+    assert_int_equal(record_receiver_drops(bench.recording)->early, 6); /* each window's checkpoint came too early */
     give(&bench, &bench.run.messages[checkpoint]);
     give(&bench, &bench.run.messages[checkpoint + 1]);
     finish_complete(&bench);
@@ -719,8 +719,8 @@ static void test_walls_lost_and_sent_again(void **state)
 
 static int64_t wall_ack(const struct bench *bench)
 {
-    struct recording_ack ack;
-    recording_ack(bench->recording, &ack);
+    struct record_receiver_ack ack;
+    record_receiver_ack(bench->recording, &ack);
     return ack.message.next_wall_seq;
 }
 
@@ -766,15 +766,15 @@ static void test_walls_not_wanted(void **state)
 static void test_refuses_to_overwrite(void **state)
 {
     struct bench bench;
-    struct recording *second;
+    struct record_receiver *second;
     (void)state;
     bench_open(&bench, &synthetic_default);
     give_all(&bench);
     finish_complete(&bench);
-    const struct recording_options options = {.directory = bench.directory, .run_id = 1, .remake = convert_into};
-    assert_int_equal(recording_create(&second, &options), STATUS_IO);
+    const struct record_receiver_options options = {.directory = bench.directory, .run_id = 1, .remake = convert_into};
+    assert_int_equal(record_receiver_create(&second, &options), STATUS_IO);
     assert_non_null(strstr(status_message(), "never overwritten"));
-    recording_free(second);
+    record_receiver_free(second);
     check_run(&bench);
     bench_close(&bench);
 }
@@ -783,13 +783,13 @@ static void test_refuses_to_overwrite(void **state)
 static void test_one_recorder_per_folder(void **state)
 {
     struct bench bench;
-    struct recording *second;
+    struct record_receiver *second;
     (void)state;
     bench_open(&bench, &synthetic_default);
-    const struct recording_options options = {.directory = bench.directory, .run_id = 1, .remake = convert_into};
-    assert_int_equal(recording_create(&second, &options), STATUS_IO);
+    const struct record_receiver_options options = {.directory = bench.directory, .run_id = 1, .remake = convert_into};
+    assert_int_equal(record_receiver_create(&second, &options), STATUS_IO);
     assert_non_null(strstr(status_message(), "another recorder"));
-    recording_free(second);
+    record_receiver_free(second);
     give_all(&bench);
     finish_complete(&bench);
     bench_close(&bench);
@@ -831,8 +831,8 @@ static void test_read_while_written(void **state)
         give(&bench, &bench.run.messages[k]);
         if (k % 16 != 8)
             continue;
-        assert_int_equal(recording_secure(bench.recording), STATUS_OK);
-        recording_publish(bench.recording);
+        assert_int_equal(record_receiver_secure(bench.recording), STATUS_OK);
+        record_receiver_publish(bench.recording);
         run_readers(bench.directory);
     }
     finish_complete(&bench);
@@ -841,11 +841,11 @@ static void test_read_while_written(void **state)
 
 static void test_directory_cannot_be_made(void **state)
 {
-    struct recording *recording;
-    const struct recording_options options = {.directory = "/dev/null/run", .run_id = 1};
+    struct record_receiver *recording;
+    const struct record_receiver_options options = {.directory = "/dev/null/run", .run_id = 1};
     (void)state;
-    assert_int_equal(recording_create(&recording, &options), STATUS_IO);
-    recording_free(recording);
+    assert_int_equal(record_receiver_create(&recording, &options), STATUS_IO);
+    record_receiver_free(recording);
 }
 
 /* A reader that is not ours: the HDF5 tools, and an XML parser. */
@@ -913,25 +913,25 @@ static void test_frames_take_their_samples(void **state)
 {
     const struct moment samples[] = {{0, 0}, {10, 0}, {20, 0}, {20, 1}, {30, 1}};
     const struct moment frames[] = {{20, 0}, {20, 1}, {25, 1}, {35, 1}};
-    struct observed observed = {0};
+    struct frame_observables observed = {0};
     int64_t sample = -1;
     (void)state;
-    assert_false(observed_next(&observed, true, &sample));
+    assert_false(frame_observables_next(&observed, true, &sample));
     for (int k = 0; k < 5; k++)
-        assert_int_equal(observed_sample(&observed, samples[k]), STATUS_OK);
+        assert_int_equal(frame_observables_sample(&observed, samples[k]), STATUS_OK);
     for (int k = 0; k < 4; k++)
-        assert_int_equal(observed_frame(&observed, frames[k]), STATUS_OK);
+        assert_int_equal(frame_observables_frame(&observed, frames[k]), STATUS_OK);
     for (int expected = 2; expected <= 3; expected++) {
-        assert_true(observed_next(&observed, false, &sample));
+        assert_true(frame_observables_next(&observed, false, &sample));
         assert_int_equal(sample, expected);
     }
-    assert_true(observed_next(&observed, false, &sample));
+    assert_true(frame_observables_next(&observed, false, &sample));
     assert_int_equal(sample, 3);
-    assert_false(observed_next(&observed, false, &sample)); /* one of step 35 may come */
-    assert_true(observed_next(&observed, true, &sample));
+    assert_false(frame_observables_next(&observed, false, &sample)); /* one of step 35 may come */
+    assert_true(frame_observables_next(&observed, true, &sample));
     assert_int_equal(sample, 4);
-    assert_false(observed_next(&observed, true, &sample));
-    observed_free(&observed);
+    assert_false(frame_observables_next(&observed, true, &sample));
+    frame_observables_free(&observed);
 }
 
 /* The last record of a kind before the first CHECKPOINT; -1: there is none. */
@@ -950,20 +950,20 @@ static void test_checkpoint_and_end_wait_for_all(void **state)
     (void)state;
     for (int kind = RECORD_PARTICLES; kind < MESSAGE_LOGGED_KINDS; kind++) {
         struct bench bench;
-        struct recording_ack ack;
+        struct record_receiver_ack ack;
         bench_open_walls(&bench, 20);
         const int missing = last_before_checkpoint(&bench.run, kind);
         for (size_t k = 0; missing >= 0 && k < bench.run.count; k++) {
             if ((int)k != missing)
                 give(&bench, &bench.run.messages[k]);
         }
-        recording_ack(bench.recording, &ack);
+        record_receiver_ack(bench.recording, &ack);
         assert_true(ack.next_seq[RECORD_CHECKPOINT] == 0 && ack.next_seq[RECORD_END] == 0);
-        assert_false(recording_end_matches(bench.recording));
+        assert_false(record_receiver_end_matches(bench.recording));
         if (missing >= 0) {
             give(&bench, &bench.run.messages[missing]);
             give_all(&bench);
-            recording_ack(bench.recording, &ack);
+            record_receiver_ack(bench.recording, &ack);
             assert_true(ack.next_seq[RECORD_CHECKPOINT] == 1 && ack.next_seq[RECORD_END] == 1);
             finish_complete(&bench);
             tried++;

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "recorder/convert.h"
+#include "recorder/log_conversion.h"
 #include "recorder/verify.h"
 #include "test_recorder_read.h"
 #include "test_recorder_synthetic.h"
@@ -22,21 +22,21 @@ static const char *recorder_path;
 /* In a child: takes messages, flushes after `flush_at` of them, is killed after `kill_at`. */
 static void record_and_die(const struct synthetic_run *run, const char *directory, size_t flush_at, size_t kill_at)
 {
-    struct recording *recording;
+    struct record_receiver *recording;
     enum recording_answer answer;
-    const struct recording_options options = {
+    const struct record_receiver_options options = {
         .directory = directory, .run_id = run->options.run_id, .remake = convert_into};
-    if (recording_create(&recording, &options) != STATUS_OK)
+    if (record_receiver_create(&recording, &options) != STATUS_OK)
         _exit(1);
     for (size_t k = 0; k < kill_at; k++) {
         const struct synthetic_message *message = &run->messages[k];
-        if (recording_take(recording, message->kind, message->data, message->size, &answer) != STATUS_OK)
+        if (record_receiver_take(recording, message->kind, message->data, message->size, &answer) != STATUS_OK)
             _exit(1);
         if (k + 1 != flush_at)
             continue;
-        if (recording_secure(recording) != STATUS_OK)
+        if (record_receiver_secure(recording) != STATUS_OK)
             _exit(1);
-        recording_publish(recording);
+        record_receiver_publish(recording);
     }
     (void)raise(SIGKILL);
 }
@@ -107,19 +107,19 @@ static void check_repair(const struct synthetic_run *run, const char *directory,
 /* In a child: takes messages again and again, with all that goes with it, until it is killed. */
 static void record_until_killed(const struct synthetic_run *run, const char *directory)
 {
-    struct recording *recording;
+    struct record_receiver *recording;
     enum recording_answer answer;
-    const struct recording_options options = {
+    const struct record_receiver_options options = {
         .directory = directory, .run_id = run->options.run_id, .remake = convert_into};
-    if (recording_create(&recording, &options) != STATUS_OK)
+    if (record_receiver_create(&recording, &options) != STATUS_OK)
         _exit(1);
     for (size_t k = 0; k + 1 < run->count; k++) {
         const struct synthetic_message *message = &run->messages[k];
-        if (recording_take(recording, message->kind, message->data, message->size, &answer) != STATUS_OK ||
-            recording_secure(recording) != STATUS_OK)
+        if (record_receiver_take(recording, message->kind, message->data, message->size, &answer) != STATUS_OK ||
+            record_receiver_secure(recording) != STATUS_OK)
             _exit(1);
         if (k % 40 == 1)
-            recording_publish(recording);
+            record_receiver_publish(recording);
     }
     (void)raise(SIGKILL);
 }

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "recorder/convert.h"
+#include "recorder/log_conversion.h"
 #include "recorder/verify.h"
 #include "test_recorder_read.h"
 #include "test_recorder_synthetic.h"
@@ -31,12 +31,12 @@ static void write_log(const struct synthetic_run *run, const char *path)
 
 static enum status convert(const char *log, const char *directory)
 {
-    struct recording *recording;
-    const struct recording_options options = {.directory = directory, .any_run = true, .from_log = true};
-    assert_int_equal(recording_create(&recording, &options), STATUS_OK);
+    struct record_receiver *recording;
+    const struct record_receiver_options options = {.directory = directory, .any_run = true, .from_log = true};
+    assert_int_equal(record_receiver_create(&recording, &options), STATUS_OK);
     enum status status = convert_log(recording, log);
-    assert_int_equal(status == STATUS_OK, recording_is_complete(recording));
-    recording_free(recording);
+    assert_int_equal(status == STATUS_OK, record_receiver_is_complete(recording));
+    record_receiver_free(recording);
     return status;
 }
 
@@ -196,23 +196,25 @@ static void test_event_log(void **state)
 {
     struct bench bench, again;
     struct synthetic_options options = synthetic_default;
-    struct recording *recording;
+    struct record_receiver *recording;
     enum recording_answer answer;
     (void)state;
     options.event_log = options.walls = true;
     options.n_wall_states = 100;
     bench_open(&bench, &options);
     bench_open(&again, &synthetic_default);
-    const struct recording_options live = {
+    const struct record_receiver_options live = {
         .directory = bench.directory, .run_id = options.run_id, .remake = convert_into};
-    assert_int_equal(recording_create(&recording, &live), STATUS_OK);
+    assert_int_equal(record_receiver_create(&recording, &live), STATUS_OK);
     for (size_t k = 0; k < bench.run.count; k++) {
         const struct synthetic_message *message = &bench.run.messages[k];
-        assert_int_equal(recording_take(recording, message->kind, message->data, message->size, &answer), STATUS_OK);
-        assert_int_equal(recording_take(recording, message->kind, message->data, message->size, &answer), STATUS_OK);
+        assert_int_equal(record_receiver_take(recording, message->kind, message->data, message->size, &answer),
+                         STATUS_OK);
+        assert_int_equal(record_receiver_take(recording, message->kind, message->data, message->size, &answer),
+                         STATUS_OK);
     }
-    assert_int_equal(recording_finish(recording), STATUS_OK);
-    recording_free(recording);
+    assert_int_equal(record_receiver_finish(recording), STATUS_OK);
+    record_receiver_free(recording);
     char path[96];
     snprintf(path, sizeof path, "%s/run.lcm", bench.directory);
     assert_int_equal(file_size(path), file_size(bench.log)); /* each message once */
@@ -323,7 +325,7 @@ static void test_log_without_some_walls(void **state)
 {
     struct synthetic_options options = synthetic_default;
     struct synthetic_run run;
-    struct recording *recording;
+    struct record_receiver *recording;
     enum recording_answer answer;
     char directory[64];
     long states = 0, commands = 0, wall = 0;
@@ -332,8 +334,8 @@ static void test_log_without_some_walls(void **state)
     options.n_wall_states = 300;
     synthetic_directory(directory);
     synthetic_create(&run, &options);
-    const struct recording_options from_log = {.directory = directory, .any_run = true, .from_log = true};
-    assert_int_equal(recording_create(&recording, &from_log), STATUS_OK);
+    const struct record_receiver_options from_log = {.directory = directory, .any_run = true, .from_log = true};
+    assert_int_equal(record_receiver_create(&recording, &from_log), STATUS_OK);
     for (size_t k = 0; k < run.count; k++) {
         const struct synthetic_message *message = &run.messages[k];
         const bool is_wall = message->kind >= MESSAGE_WALL_STATE;
@@ -341,10 +343,11 @@ static void test_log_without_some_walls(void **state)
             continue;
         states += message->kind == MESSAGE_WALL_STATE;
         commands += message->kind == MESSAGE_WALL_COMMAND;
-        assert_int_equal(recording_take(recording, message->kind, message->data, message->size, &answer), STATUS_OK);
+        assert_int_equal(record_receiver_take(recording, message->kind, message->data, message->size, &answer),
+                         STATUS_OK);
     }
-    assert_int_equal(recording_finish(recording), STATUS_INCOMPLETE);
-    recording_free(recording);
+    assert_int_equal(record_receiver_finish(recording), STATUS_INCOMPLETE);
+    record_receiver_free(recording);
     hid_t file = read_open(directory);
     assert_int_equal(read_rows(file, "/walls/state/step"), states);
     assert_int_equal(read_rows(file, "/walls/command/step"), commands);

@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "common/time_step.h"
-#include "sim/look/measure.h"
-#include "sim/look/step_limit.h"
+#include "common/auto_time_step.h"
+#include "sim/measure/measure.h"
+#include "sim/measure/step_limit.h"
 #include "sim/sample/energy.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/sample/step_completion.h"
 
 /* Powers of two: one unit of length is 2^length m, and so on. */

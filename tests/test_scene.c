@@ -10,9 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/auto_time_step.h"
 #include "common/config_literals.h"
 #include "common/scene_file.h"
-#include "common/time_step.h"
 
 static const char head[] =
     "dimension = 2;\n"

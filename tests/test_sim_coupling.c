@@ -4,11 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/sample/stage.h"
 #include "sim/sample/step_completion.h"
 #include "sim_fixture.h"
-#include "wallctl/stress.h"
+#include "wallctl/stress_control.h"
 
 static const double PI = 3.14159265358979323846;
 

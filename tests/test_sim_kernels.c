@@ -17,7 +17,7 @@
 enum { WIDEST = SET_WIDTH, CONTACTS_MAX = 2 * WIDEST + 1, REPEATS = 3 };
 
 struct model {
-    int dimension, law, frictional, single; /* law: enum contact_law; frictional 2: rolling and torsion, too */
+    int dimension, law, frictional, mixed; /* law: enum contact_law; frictional 2: rolling and torsion, too */
 };
 
 /* All that kernels read and write. */
@@ -56,7 +56,7 @@ static double choose(struct random *random, const double *list, int n)
 
 static struct contact_model contact_model(struct model model)
 {
-    struct contact_model contacts = contact_model_make(model.dimension, model.law, model.frictional > 0, model.single);
+    struct contact_model contacts = contact_model_make(model.dimension, model.law, model.frictional > 0, model.mixed);
     contacts.rolling = model.frictional == 2;
     return contacts;
 }
@@ -95,7 +95,7 @@ static struct contact_law_constants random_law(struct random *random, struct mod
 
 static void random_particles(struct particles *p, int count, struct model model, struct random *random)
 {
-    must(particles_init(p, count, model.dimension, model.frictional, model.single));
+    must(particles_init(p, count, model.dimension, model.frictional, model.mixed));
     double speed = CHOOSE(random, 0, 0.1, 1), moved = CHOOSE(random, 0, 2e-5); /* since the lists were built */
     for (int i = 0; i < count; i++) {
         p->radius[i] = between(random, 0.5e-3, 1.5e-3);
@@ -224,7 +224,7 @@ typedef void guard_each(void *array, size_t used, size_t size);
 
 static void guard_list(struct contact_list *list, guard_each *each)
 {
-    const size_t real = list->model.single ? sizeof(float) : sizeof(double);
+    const size_t real = list->model.mixed ? sizeof(float) : sizeof(double);
     const size_t used = real * (size_t)list->n_sets * SET_WIDTH;
     const size_t size = list->n_sets ? real * ((size_t)list->slots.capacity * SET_WIDTH + ARRAY_PADDING) : 0;
     for (int c = 0; c < HISTORY_COLUMNS; c++)
@@ -250,7 +250,7 @@ static void guard_particles(struct particles *p, guard_each *each)
         guard_doubles(p->omega[c], p->count, each);
         guard_doubles(p->alpha[c], p->count, each);
     }
-    const size_t real = p->single ? sizeof(float) : sizeof(double), rows = (size_t)p->n_padded;
+    const size_t real = p->mixed ? sizeof(float) : sizeof(double), rows = (size_t)p->n_padded;
     for (int c = 0; c < 3; c++) {
         each(p->view_u[c], sizeof(int32_t) * rows, sizeof(int32_t) * (rows + ARRAY_PADDING));
         each(p->view_v[c], real * rows, real * (rows + ARRAY_PADDING));
@@ -262,7 +262,7 @@ static void guard_particles(struct particles *p, guard_each *each)
         guard_floats(p->omega_rest[c], p->count, each);
     }
     size_t size = particles_force_size(p),
-           record = sizeof(double) * RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->single);
+           record = sizeof(double) * RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->mixed);
     each(p->record, record * rows, record * (rows + ARRAY_PADDING));
     each(p->force, size, size + ARRAY_PADDING);
 }
@@ -309,9 +309,9 @@ static void lists_compare(struct contact_list *a, struct contact_list *b)
 /* The sums of forces and moments but for those of the padding, which may differ in the sign of zero. */
 static void forces_compare(const struct particles *a, const struct particles *b)
 {
-    const size_t row = (size_t)SUMS_BYTES(a->dimension, a->n_rotations > 0, a->single);
-    const size_t columns = PARTICLES_COLUMNS_OFFSET(a->n_rows, a->dimension, a->n_rotations > 0, a->single);
-    const size_t real = a->single ? sizeof(float) : sizeof(double);
+    const size_t row = (size_t)SUMS_BYTES(a->dimension, a->n_rotations > 0, a->mixed);
+    const size_t columns = PARTICLES_COLUMNS_OFFSET(a->n_rows, a->dimension, a->n_rotations > 0, a->mixed);
+    const size_t real = a->mixed ? sizeof(float) : sizeof(double);
     assert_memory_equal(a->force, b->force, row * (size_t)a->count);
     for (int c = 0; c < a->dimension + a->n_rotations; c++) {
         size_t at = columns + real * (size_t)(c * a->n_padded);
@@ -328,9 +328,9 @@ static void same_memory(const void *a, const void *b, size_t size)
 /* What steps go on with. */
 static void motion_compare(const struct particles *a, const struct particles *b)
 {
-    const size_t real = a->single ? sizeof(float) : sizeof(double), count = (size_t)a->count;
+    const size_t real = a->mixed ? sizeof(float) : sizeof(double), count = (size_t)a->count;
     for (int c = 0; c < 3; c++) {
-        if (!a->single) {
+        if (!a->mixed) {
             same_bits("x", a->x[c], b->x[c], a->count);
             same_bits("v", a->v[c], b->v[c], a->count);
             same_bits("omega", a->omega[c], b->omega[c], a->count);
@@ -345,7 +345,7 @@ static void motion_compare(const struct particles *a, const struct particles *b)
         same_memory(a->omega_rest[c], b->omega_rest[c], count * sizeof(float));
     }
     assert_memory_equal(a->record, b->record,
-                        count * sizeof(double) * RECORD_STRIDE(a->dimension, a->n_rotations > 0, a->single));
+                        count * sizeof(double) * RECORD_STRIDE(a->dimension, a->n_rotations > 0, a->mixed));
 }
 
 static void particles_compare(const struct particles *a, const struct particles *b)
@@ -404,9 +404,9 @@ static struct contact_losses loss_sizes(struct bench *b, struct model model, con
 /* n terms summed in two orders differ by at most 2 n eps sum |term|; one loss is itself a sum over up to 3 components.
  */
 static void losses_compare(const struct contact_losses *a, const struct contact_losses *b,
-                           const struct contact_losses *sizes, bool single)
+                           const struct contact_losses *sizes, bool mixed)
 {
-    const double allowed = 2 * 3 * (CONTACTS_MAX + 1) * (single ? FLT_EPSILON : DBL_EPSILON);
+    const double allowed = 2 * 3 * (CONTACTS_MAX + 1) * (mixed ? FLT_EPSILON : DBL_EPSILON);
     assert_close("hysteresis", a->hysteresis, b->hysteresis, allowed * sizes->hysteresis);
     assert_close("viscous normal", a->viscous_normal, b->viscous_normal, allowed * sizes->viscous_normal);
     assert_close("viscous tangential", a->viscous_tangential, b->viscous_tangential,
@@ -456,7 +456,7 @@ static void compare_once(uint64_t seed, int count, struct model model, enum inst
         bool stale = step(&a, &tested, k == 0, seed % 2);
         assert_int_equal(step(&b, &reference, k == 0, seed % 2), stale);
         if (k == 0)
-            losses_compare(&a.losses, &b.losses, &sizes, model.single);
+            losses_compare(&a.losses, &b.losses, &sizes, model.mixed);
         lists_compare(&a.pairs, &b.pairs);
         forces_compare(&a.p, &b.p);
         lists_compare(&a.wall.contacts, &b.wall.contacts);

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "sim/base/random.h"
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/sample/energy.h"
 #include "sim/sample/step_completion.h"
 

@@ -10,10 +10,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/record_stream.h"
+#include "common/record_sender.h"
 #include "shakedown_frame_contacts_t.h"
 #include "sim/base/random.h"
-#include "sim/look/time_remaining.h"
+#include "sim/measure/time_remaining.h"
 #include "sim/run/records.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
@@ -464,7 +464,7 @@ static void chunks_fit_into_messages(void **state)
     char path[] = "/tmp/shakedown-chunks-XXXXXX", url[64];
     struct fixture f = fixture_open(&options);
     struct bus bus;
-    struct record_stream *stream;
+    struct record_sender *stream;
     struct records records;
     struct sizes sizes = {0};
     (void)state;
@@ -475,11 +475,11 @@ static void chunks_fit_into_messages(void **state)
     assert_true(file >= 0 && close(file) == 0);
     snprintf(url, sizeof url, "file://%s?mode=w", path);
     must(bus_open(&bus, url));
-    must(record_stream_create(&stream, &bus, 1, 1));
+    must(record_sender_create(&stream, &bus, 1, 1));
     records_init(&records, stream, 1);
     must(records_send_frame(&records, sample_complete(f.sample)));
     must(bus_flush(&bus));
-    record_stream_free(stream);
+    record_sender_free(stream);
     bus_close(&bus);
     read_sizes(path, &sizes);
     assert_int_equal(unlink(path), 0);

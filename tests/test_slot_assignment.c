@@ -101,7 +101,7 @@ static int check_assignment(struct contact_list *list, int n_particles, int widt
     assert_in_range(SET_WIDTH * list->n_sets, width * all, width * most);
     free(taken);
     free(used);
-    if (list->model.single && width == HALF_WIDTH)
+    if (list->model.mixed && width == HALF_WIDTH)
         check_apart(list);
     if (others)
         *others = n_others;
@@ -116,7 +116,7 @@ static void check_repeats(const struct contact_list *list, int n_particles, int 
     for (int k = 0; k < list->count; k++)
         add(&again, list->i[k], list->j[k]);
     again.search_max = list->search_max;
-    again.model.single = list->model.single;
+    again.model.mixed = list->model.mixed;
     for (int round = 0; round < 2; round++) {
         must(slot_assignment_make(&again, n_particles, width, SPAN_WIDTH, &assignment));
         assert_memory_equal(again.slot, list->slot, (size_t)list->count * sizeof *list->slot);
@@ -190,7 +190,7 @@ static void every_pair_has_one_slot(void **state)
                 add(&list, a, b + (b >= a));
             }
             list.search_max = pairs % 3 ? 12 : 0;
-            list.model.single = c % 2;
+            list.model.mixed = c % 2;
             check_assignment(&list, count[c], pairs % 5 < 3 ? HALF_WIDTH : SET_WIDTH, NULL);
             check_repeats(&list, count[c], pairs % 5 < 3 ? HALF_WIDTH : SET_WIDTH);
             contact_list_free(&list);
@@ -215,7 +215,7 @@ static void crowded_blocks_get_their_sets(void **state)
     assert_int_equal(others, crowd.count - (CROWD - 1)); /* each has the next one as a partner */
     assert_true(others > 0.8 * rows * SET_WIDTH);
     check_repeats(&crowd, CROWD, SET_WIDTH);
-    star.model.single = crowd.model.single = true;
+    star.model.mixed = crowd.model.mixed = true;
     check_assignment(&star, STAR + 1, HALF_WIDTH, NULL);
     check_assignment(&crowd, CROWD, HALF_WIDTH, NULL);
     contact_list_free(&star);

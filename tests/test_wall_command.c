@@ -11,8 +11,8 @@
 
 #include "common/wall_target.h"
 #include "wall_fixture.h"
-#include "wallctl/law.h"
-#include "wallctl/stress.h"
+#include "wallctl/control_law.h"
+#include "wallctl/stress_control.h"
 
 enum { Z_HI = 3 };
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "sim/law/contact_law.h"
-#include "sim/look/step_limit.h"
+#include "sim/measure/step_limit.h"
 
 static const double PI = 3.14159265358979323846;
 static const double G = 9.81, A = 1e-3; /* m/s^2; radius of the fixture's particles, m */

@@ -18,7 +18,7 @@
 #include "common/scene_file.h"
 #include "shakedown_end_t.h"
 #include "wall_fixture.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 enum { RUN = 77, ANSWER_MS = 20 /* as sim */, GIVE_UP_S = 30 };
 

@@ -8,7 +8,7 @@
 #include "common/message.h"
 #include "common/signals.h"
 #include "shakedown_end_t.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 /* How often the stop signals are looked at while nothing comes, and how long END is waited for after one. */
 enum { WAIT_STEP_MS = 100 };

@@ -6,7 +6,7 @@
 #include "common/coupling.h"
 #include "common/message.h"
 #include "shakedown_end_t.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 struct replay {
     const struct scene *scene;

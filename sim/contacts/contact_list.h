@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #include "common/scene.h"
-#include "sim/base/team.h"
+#include "sim/base/thread_team.h"
 #include "sim/grains/particles.h"
 #include "sim/law/contact_history.h"
 #include "sim/law/contact_law.h"
@@ -28,18 +28,18 @@ struct contact_span {
  * summed without looking around; either member of a pair may be the one whose slot it is in. If most particles have a
  * candidate right behind them (neighbour_chains.h), these partners have sets of their own, each of SET_WIDTH particles
  * side by side, whose partners stand side by side as well. Walls: the members one after the other. Empty slots hold the
- * padding particle, which never touches, or partners out of reach. Double, or float if the contacts are single. */
+ * padding particle, which never touches, or partners out of reach. Double, or float if the contacts are mixed. */
 struct contact_slots {
     struct contact_span *span; /* [n_spans] pairs */
     int n_spans, span_capacity;
     int capacity;      /* in sets */
-    double unit;       /* of lengths as told [m]: single: the quantum (particles.h), a power of 2; else 1 */
+    double unit;       /* of lengths as told [m]: mixed: the quantum (particles.h), a power of 2; else 1 */
     double force_unit; /* of forces as told [N]: particles->force_unit */
     uint32_t *first;   /* [2 n_sets] pairs: the first of the particles i of each half */
     uint32_t *partner; /* [slots] where the record of j starts [doubles]; walls: that of i */
-    float *built[3];   /* single: x_i - x_j when the lists were built [unit]; not of walls */
-    float *gap;  /* single: (a_i + a_j)^2 less that distance's square [unit^2]; of walls the overlap then [unit] */
-    void *reach; /* a_i + a_j [unit], walls a_i [m] */
+    float *built[3];   /* mixed: x_i - x_j when the lists were built [unit]; not of walls */
+    float *gap;        /* mixed: (a_i + a_j)^2 less that distance's square [unit^2]; of walls the overlap then [unit] */
+    void *reach;       /* a_i + a_j [unit], walls a_i [m] */
     void *pair[PAIR_CONSTANTS];     /* of each contact; NULL: the normal law does not ask */
     void *history[HISTORY_COLUMNS]; /* of i against j, lengths in units; NULL: the model has no such column */
 };
@@ -54,12 +54,12 @@ struct contact_list {
     double *reach;                    /* a_i + a_j, walls a_i [m] */
     double *history[HISTORY_COLUMNS]; /* [count] a copy in the order of the list: contact_list_read */
     struct contact_model model;
-    bool closed;       /* the kernels have the history */
-    struct team *team; /* that hands it over to the kernels; NULL: the caller alone */
-    int search_max;    /* particles asked for room before a set is added (slot_assignment.h); 0: as many as ever pay */
-    int n_sets;        /* that the kernels go through; set by contact_list_close */
-    uint32_t *slot;    /* [count] where the kernels have it: twice the slot, 1 more if that is j's */
-    int32_t *scratch;  /* of contact_list_close */
+    bool closed;              /* the kernels have the history */
+    struct thread_team *team; /* that hands it over to the kernels; NULL: the caller alone */
+    int search_max;   /* particles asked for room before a set is added (slot_assignment.h); 0: as many as ever pay */
+    int n_sets;       /* that the kernels go through; set by contact_list_close */
+    uint32_t *slot;   /* [count] where the kernels have it: twice the slot, 1 more if that is j's */
+    int32_t *scratch; /* of contact_list_close */
     size_t scratch_size;
     struct contact_slots slots;
 };

@@ -10,16 +10,16 @@
 static enum status slots_reserve(struct contact_list *list, int dimension)
 {
     struct contact_slots *slots = &list->slots;
-    const size_t real = list->model.single ? sizeof(float) : sizeof(double);
+    const size_t real = list->model.mixed ? sizeof(float) : sizeof(double);
     if (list->n_sets <= slots->capacity)
         return STATUS_OK;
     size_t sets = (size_t)list->n_sets + (size_t)list->n_sets / 8;
     size_t size = sets * SET_WIDTH;
     TRY(array_resize(&slots->first, sizeof *slots->first, 2 * sets, 0));
     TRY(array_resize(&slots->partner, sizeof *slots->partner, size, 0));
-    for (int c = 0; list->model.single && c < dimension; c++)
+    for (int c = 0; list->model.mixed && c < dimension; c++)
         TRY(array_resize(&slots->built[c], sizeof(float), size, 0));
-    if (list->model.single)
+    if (list->model.mixed)
         TRY(array_resize(&slots->gap, sizeof(float), size, 0));
     TRY(array_resize(&slots->reach, real, size, 0));
     for (int c = 0; list->model.traits & NORMAL_PER_PAIR && c < PAIR_CONSTANTS; c++)
@@ -33,7 +33,7 @@ static enum status slots_reserve(struct contact_list *list, int dimension)
 
 static void put(const struct contact_list *list, void *array, size_t slot, double value)
 {
-    if (list->model.single)
+    if (list->model.mixed)
         ((float *)array)[slot] = (float)value;
     else
         ((double *)array)[slot] = value;
@@ -41,7 +41,7 @@ static void put(const struct contact_list *list, void *array, size_t slot, doubl
 
 static double get(const struct contact_list *list, const void *array, size_t slot)
 {
-    return list->model.single ? ((const float *)array)[slot] : ((const double *)array)[slot];
+    return list->model.mixed ? ((const float *)array)[slot] : ((const double *)array)[slot];
 }
 
 /* What column c of member k is multiplied by on its way into the slots: its sign if the slot is j's, and the unit. */
@@ -64,7 +64,7 @@ struct filling {
 
 enum { FILL_GRAIN = 16384 };
 
-/* The padding particle is nowhere near: single by `built` and `gap`, which are more units than anything moves and still
+/* The padding particle is nowhere near: mixed by `built` and `gap`, which are more units than anything moves and still
  * have a square, double by its place, but walls know no distance to it: `nothing` is its reach. */
 static void empty_slots(void *context, int first, int end)
 {
@@ -74,12 +74,12 @@ static void empty_slots(void *context, int first, int end)
     const struct contact_slots *slots = &list->slots;
     for (size_t s = from; s < to; s++) {
         slots->partner[s] = f->padding_row;
-        if (list->model.single) {
+        if (list->model.mixed) {
             slots->gap[s] = -0x1p80F;
             slots->built[0][s] = 0x1p40F;
         }
     }
-    for (int c = 1; list->model.single && c < f->particles->dimension; c++)
+    for (int c = 1; list->model.mixed && c < f->particles->dimension; c++)
         memset(slots->built[c] + from, 0, sizeof(float) * (to - from));
     for (size_t s = from; s < to; s++)
         put(list, slots->reach, s, f->nothing);
@@ -145,7 +145,7 @@ static void fill_slots(void *context, int first, int end)
         const int32_t both = list->i[k] ^ list->j[k], j = list->j[k] ^ (both & -turned);
         const int32_t i = wall ? list->i[k] : both ^ j;
         slots->partner[s] = stride * (uint32_t)j;
-        if (list->model.single)
+        if (list->model.mixed)
             fill_built(list, s, list->reach[k], p, i, j, wall, per_unit);
         put(list, slots->reach, s, list->reach[k] * reach_per);
     }
@@ -154,7 +154,7 @@ static void fill_slots(void *context, int first, int end)
 static void empty_column(void *context, int first, int end)
 {
     const struct filling *f = context;
-    const size_t real = f->list->model.single ? sizeof(float) : sizeof(double);
+    const size_t real = f->list->model.mixed ? sizeof(float) : sizeof(double);
     memset((char *)f->list->slots.history[f->column] + real * (size_t)first, 0, real * (size_t)(end - first));
 }
 
@@ -177,34 +177,34 @@ static enum status spans_reserve(struct contact_slots *slots, int n)
 }
 
 /* Particles and sets of span s. */
-static struct contact_span span_of(const struct slot_assignment *deal, int s, int n_particles)
+static struct contact_span span_of(const struct slot_assignment *assignment, int s, int n_particles)
 {
-    const int first = s * deal->span_width, rest = (n_particles - first + SET_WIDTH - 1) / SET_WIDTH * SET_WIDTH;
+    const int first = s * assignment->span_width, rest = (n_particles - first + SET_WIDTH - 1) / SET_WIDTH * SET_WIDTH;
     return (struct contact_span){.first = first,
-                                 .last = first + (rest < deal->span_width ? rest : deal->span_width),
-                                 .next = deal->span[s],
-                                 .whole = slot_assignment_whole_set(deal, s),
-                                 .halves = slot_assignment_halves_set(deal, s),
-                                 .end = deal->span[s + 1]};
+                                 .last = first + (rest < assignment->span_width ? rest : assignment->span_width),
+                                 .next = assignment->span[s],
+                                 .whole = slot_assignment_whole_set(assignment, s),
+                                 .halves = slot_assignment_halves_set(assignment, s),
+                                 .end = assignment->span[s + 1]};
 }
 
-static void fill_row(struct contact_slots *slots, const struct slot_assignment *deal, int b, int row)
+static void fill_row(struct contact_slots *slots, const struct slot_assignment *assignment, int b, int row)
 {
-    const int halves = deal->width / HALF_WIDTH;
+    const int halves = assignment->width / HALF_WIDTH;
     for (int h = 0; h < halves; h++)
-        slots->first[row * halves + h] = (uint32_t)(deal->width * b + HALF_WIDTH * h);
+        slots->first[row * halves + h] = (uint32_t)(assignment->width * b + HALF_WIDTH * h);
 }
 
-static void fill_first(struct contact_slots *slots, const struct slot_assignment *deal)
+static void fill_first(struct contact_slots *slots, const struct slot_assignment *assignment)
 {
-    for (int s = 0; s < deal->n_spans; s++) /* also of what is nobody's */
-        for (int half = 2 * deal->span[s]; half < 2 * deal->span[s + 1]; half++)
-            slots->first[half] = (uint32_t)(s * deal->span_width);
-    for (int b = 0; b < deal->n_blocks; b++) {
-        if (deal->chained)
-            fill_row(slots, deal, b, slot_assignment_chain_row(deal, b));
-        for (int k = 0, n = slot_assignment_rows(deal, b); k < n; k++)
-            fill_row(slots, deal, b, slot_assignment_row(deal, b, k));
+    for (int s = 0; s < assignment->n_spans; s++) /* also of what is nobody's */
+        for (int half = 2 * assignment->span[s]; half < 2 * assignment->span[s + 1]; half++)
+            slots->first[half] = (uint32_t)(s * assignment->span_width);
+    for (int b = 0; b < assignment->n_blocks; b++) {
+        if (assignment->chained)
+            fill_row(slots, assignment, b, slot_assignment_chain_row(assignment, b));
+        for (int k = 0, n = slot_assignment_rows(assignment, b); k < n; k++)
+            fill_row(slots, assignment, b, slot_assignment_row(assignment, b, k));
     }
 }
 
@@ -213,16 +213,16 @@ static void fill_first(struct contact_slots *slots, const struct slot_assignment
  * lost). */
 static enum status assign_pairs(struct contact_list *list, const struct particles *p)
 {
-    struct slot_assignment deal;
+    struct slot_assignment assignment;
     const int width = p->dimension == 2 ? HALF_WIDTH : SET_WIDTH,
               span_width = p->dimension == 2 && p->count < PARTICLES_LARGE_SAMPLE ? WIDE_SPAN : SPAN_WIDTH;
-    TRY(slot_assignment_make(list, p->count, width, span_width, &deal));
+    TRY(slot_assignment_make(list, p->count, width, span_width, &assignment));
     TRY(slots_reserve(list, p->dimension));
-    TRY(spans_reserve(&list->slots, deal.n_spans));
-    list->slots.n_spans = deal.n_spans;
-    for (int s = 0; s < deal.n_spans; s++)
-        list->slots.span[s] = span_of(&deal, s, p->count);
-    fill_first(&list->slots, &deal);
+    TRY(spans_reserve(&list->slots, assignment.n_spans));
+    list->slots.n_spans = assignment.n_spans;
+    for (int s = 0; s < assignment.n_spans; s++)
+        list->slots.span[s] = span_of(&assignment, s, p->count);
+    fill_first(&list->slots, &assignment);
     return STATUS_OK;
 }
 
@@ -250,11 +250,11 @@ static uint32_t padding_of(const struct particles *p, const struct wall *wall)
 
 enum status contact_list_place(struct contact_list *list, const struct particles *particles, const struct wall *wall)
 {
-    const uint32_t stride = RECORD_STRIDE(particles->dimension, particles->n_rotations > 0, particles->single);
+    const uint32_t stride = RECORD_STRIDE(particles->dimension, particles->n_rotations > 0, particles->mixed);
     if (list->count > INT32_MAX / (4 * SET_WIDTH))
         return status_fail(STATUS_LIMIT, "%d candidates for contact are too many", list->count);
     list->closed = true;
-    list->slots.unit = list->model.single ? particles->quantum : 1;
+    list->slots.unit = list->model.mixed ? particles->quantum : 1;
     list->slots.force_unit = particles->force_unit;
     TRY(wall ? assign_wall(list, particles->dimension) : assign_pairs(list, particles));
     if (list->count == 0)
@@ -290,7 +290,7 @@ double contact_list_whole(const struct contact_list *list, int c, int k)
 {
     const int rest = history_field(c)->rest;
     const double value = contact_list_value(list, c, k);
-    return list->model.single && rest ? value + contact_list_value(list, rest, k) : value;
+    return list->model.mixed && rest ? value + contact_list_value(list, rest, k) : value;
 }
 
 double contact_list_spring(const struct contact_list *list, int component, int k)

@@ -39,12 +39,12 @@ struct table {
     int32_t *next; /* [n_particles] the pair with the particle behind it; -1: none */
     int32_t *pair; /* [n_pairs] the other pairs, which are dealt out; first those across spans */
     int n_pairs, n_across;
-    struct column *column;          /* [n_particles] */
-    int32_t *planned;               /* [n_blocks] rows; in the end those that there are */
-    int32_t *start;                 /* [n_blocks + 1] the block's first place in the table */
-    int32_t *whole, *single, *span; /* as in struct slot_assignment */
-    struct entry *entry;            /* [start[n_blocks]] set by set */
-    struct entry *over;             /* [n_over] pairs that the table has no place for, and who has them */
+    struct column *column;        /* [n_particles] */
+    int32_t *planned;             /* [n_blocks] rows; in the end those that there are */
+    int32_t *start;               /* [n_blocks + 1] the block's first place in the table */
+    int32_t *whole, *lone, *span; /* as in struct slot_assignment */
+    struct entry *entry;          /* [start[n_blocks]] set by set */
+    struct entry *over;           /* [n_over] pairs that the table has no place for, and who has them */
     int n_over;
     int n_searches, visits_max;
     struct visit visit[VISITS_MAX];
@@ -70,8 +70,8 @@ static enum status lay_out(struct table *t, struct contact_list *list, size_t pl
     t->planned = list->scratch + column;
     t->start = t->planned + even;
     t->whole = t->start + even + 2;
-    t->single = t->whole + even + 2;
-    t->span = t->single + even + 2;
+    t->lone = t->whole + even + 2;
+    t->span = t->lone + even + 2;
     t->next = t->span + spans;
     t->pair = t->next + own;
     t->over = (struct entry *)(t->pair + pairs);
@@ -95,7 +95,7 @@ struct dealing {
     struct contact_list *list;
     struct group *group;
     int n_groups;
-    const struct slot_assignment *deal;
+    const struct slot_assignment *assignment;
 };
 
 static int first_member_of(const struct contact_list *list, int particle)
@@ -535,90 +535,96 @@ static void plan_beyond(struct table *t)
 static void number_rows(struct table *t)
 {
     const int shares = SET_WIDTH / t->width;
-    t->whole[0] = t->single[0] = 0;
+    t->whole[0] = t->lone[0] = 0;
     for (int b = 0; b < t->n_blocks; b += shares) {
         const int last = b + shares - 1, of_last = last < t->n_blocks ? t->planned[last] : 0;
         const int least = of_last < t->planned[b] ? of_last : t->planned[b]; /* of one or two blocks */
         for (int h = b; h <= last && h < t->n_blocks; h++) {
             t->whole[h] = t->whole[b];
-            t->single[h + 1] = t->single[h] + t->planned[h] - least;
+            t->lone[h + 1] = t->lone[h] + t->planned[h] - least;
         }
         t->whole[b + shares] = t->whole[b] + least;
     }
 }
 
-static int shares_of(const struct slot_assignment *deal)
+static int shares_of(const struct slot_assignment *assignment)
 {
-    return SET_WIDTH / deal->width;
+    return SET_WIDTH / assignment->width;
 }
 
 /* The first block of span s, or what would be the next one behind the last block. */
-static int first_block(const struct slot_assignment *deal, int s)
+static int first_block(const struct slot_assignment *assignment, int s)
 {
-    const int blocks = deal->span_width / deal->width, shares = shares_of(deal),
-              end = (deal->n_blocks + shares - 1) / shares * shares;
+    const int blocks = assignment->span_width / assignment->width, shares = shares_of(assignment),
+              end = (assignment->n_blocks + shares - 1) / shares * shares;
     return s * blocks < end ? s * blocks : end;
 }
 
-static int single_before(const struct slot_assignment *deal, int b)
+static int lone_before(const struct slot_assignment *assignment, int b)
 {
-    return deal->single[b < deal->n_blocks ? b : deal->n_blocks];
+    return assignment->lone[b < assignment->n_blocks ? b : assignment->n_blocks];
 }
 
-int slot_assignment_whole_set(const struct slot_assignment *deal, int s)
+int slot_assignment_whole_set(const struct slot_assignment *assignment, int s)
 {
-    const int blocks = first_block(deal, s + 1) - first_block(deal, s);
-    return deal->span[s] + (deal->chained ? blocks / shares_of(deal) : 0);
+    const int blocks = first_block(assignment, s + 1) - first_block(assignment, s);
+    return assignment->span[s] + (assignment->chained ? blocks / shares_of(assignment) : 0);
 }
 
-int slot_assignment_halves_set(const struct slot_assignment *deal, int s)
+int slot_assignment_halves_set(const struct slot_assignment *assignment, int s)
 {
-    return slot_assignment_whole_set(deal, s) + deal->whole[first_block(deal, s + 1)] -
-           deal->whole[first_block(deal, s)];
+    return slot_assignment_whole_set(assignment, s) + assignment->whole[first_block(assignment, s + 1)] -
+           assignment->whole[first_block(assignment, s)];
 }
 
 /* Sets of the spans. */
-static void number_spans(struct table *t, const struct slot_assignment *deal)
+static void number_spans(struct table *t, const struct slot_assignment *assignment)
 {
     t->span[0] = 0;
-    for (int s = 0; s < deal->n_spans; s++) {
-        const int rows = single_before(deal, first_block(deal, s + 1)) - single_before(deal, first_block(deal, s));
-        t->span[s + 1] = slot_assignment_halves_set(deal, s) + (rows * t->width + SET_WIDTH - 1) / SET_WIDTH;
+    for (int s = 0; s < assignment->n_spans; s++) {
+        const int rows = lone_before(assignment, first_block(assignment, s + 1)) -
+                         lone_before(assignment, first_block(assignment, s));
+        t->span[s + 1] = slot_assignment_halves_set(assignment, s) + (rows * t->width + SET_WIDTH - 1) / SET_WIDTH;
     }
 }
 
-int slot_assignment_chain_row(const struct slot_assignment *deal, int b)
+int slot_assignment_chain_row(const struct slot_assignment *assignment, int b)
 {
-    const int blocks = deal->span_width / deal->width;
-    return shares_of(deal) * deal->span[b / blocks] + b % blocks;
+    const int blocks = assignment->span_width / assignment->width;
+    return shares_of(assignment) * assignment->span[b / blocks] + b % blocks;
 }
 
 /* How many rows of block b are in whole sets. */
-static int whole_rows(const struct slot_assignment *deal, int b)
+static int whole_rows(const struct slot_assignment *assignment, int b)
 {
-    const int shares = shares_of(deal), first = b - b % shares;
-    return deal->whole[first + shares] - deal->whole[first];
+    const int shares = shares_of(assignment), first = b - b % shares;
+    return assignment->whole[first + shares] - assignment->whole[first];
 }
 
-int slot_assignment_rows(const struct slot_assignment *deal, int b)
+int slot_assignment_rows(const struct slot_assignment *assignment, int b)
 {
-    return whole_rows(deal, b) + deal->single[b + 1] - deal->single[b];
+    return whole_rows(assignment, b) + assignment->lone[b + 1] - assignment->lone[b];
 }
 
-int slot_assignment_row(const struct slot_assignment *deal, int b, int k)
+int slot_assignment_row(const struct slot_assignment *assignment, int b, int k)
 {
-    const int s = b / (deal->span_width / deal->width), first = first_block(deal, s), shares = shares_of(deal);
-    const int n_whole = whole_rows(deal, b);
+    const int s = b / (assignment->span_width / assignment->width), first = first_block(assignment, s),
+              shares = shares_of(assignment);
+    const int n_whole = whole_rows(assignment, b);
     if (k < n_whole)
-        return shares * (slot_assignment_whole_set(deal, s) + deal->whole[b] - deal->whole[first] + k) + b % shares;
-    return shares * slot_assignment_halves_set(deal, s) + deal->single[b] - deal->single[first] + k - n_whole;
+        return shares *
+                   (slot_assignment_whole_set(assignment, s) + assignment->whole[b] - assignment->whole[first] + k) +
+               b % shares;
+    return shares * slot_assignment_halves_set(assignment, s) + assignment->lone[b] - assignment->lone[first] + k -
+           n_whole;
 }
 
-static void number_block(const struct table *t, const struct slot_assignment *deal, int b, struct contact_list *list)
+static void number_block(const struct table *t, const struct slot_assignment *assignment, int b,
+                         struct contact_list *list)
 {
-    const int lanes = lanes_of(t, b), n = slot_assignment_rows(deal, b);
+    const int lanes = lanes_of(t, b), n = slot_assignment_rows(assignment, b);
     for (int k = 0, at = t->start[b]; k < n && at < t->start[b + 1]; k++, at += t->width) {
-        const int row = slot_assignment_row(deal, b, k);
+        const int row = slot_assignment_row(assignment, b, k);
         for (int l = 0; l < lanes; l++)
             if (t->entry[at + l].pair >= 0)
                 list->slot[t->entry[at + l].pair] = slot_of(t, row, t->width * b + l, t->entry[at + l].other);
@@ -629,18 +635,18 @@ static void number_slots(void *context, int g)
 {
     const struct dealing *d = context;
     const struct table table = table_of(d, g), *t = &table;
-    const struct slot_assignment *deal = d->deal;
+    const struct slot_assignment *assignment = d->assignment;
     struct contact_list *list = d->list;
     for (int b = block_from(t); b < block_to(t); b++)
-        number_block(t, deal, b, list);
+        number_block(t, assignment, b, list);
     for (int q = t->from; q < t->to; q++)
         if (t->next[q] >= 0)
-            list->slot[t->next[q]] = slot_of(t, slot_assignment_chain_row(deal, q / t->width), q, q + 1);
+            list->slot[t->next[q]] = slot_of(t, slot_assignment_chain_row(assignment, q / t->width), q, q + 1);
     for (int m = 0; m < t->n_over; m++) {
         const int k = t->over[m].pair, owner = t->over[m].other, b = owner / t->width;
         struct column *column = &t->column[owner];
         const int place = column->room + --column->left;
-        list->slot[k] = slot_of(t, slot_assignment_row(deal, b, place), owner, list->i[k] + list->j[k] - owner);
+        list->slot[k] = slot_of(t, slot_assignment_row(assignment, b, place), owner, list->i[k] + list->j[k] - owner);
     }
 }
 
@@ -656,48 +662,48 @@ static void deal_out_group(void *context, int g)
     d->group[g].n_over = t.n_over;
 }
 
-static enum status deal_groups(struct dealing *d, struct slot_assignment *deal)
+static enum status deal_groups(struct dealing *d, struct slot_assignment *assignment)
 {
     struct table *t = &d->table;
-    struct team *team = d->list->team;
-    team_run(team, d->n_groups, find_next, d);
+    struct thread_team *team = d->list->team;
+    thread_team_run(team, d->n_groups, find_next, d);
     decide_next(d);
-    team_run(team, d->n_groups, sort_out, d);
+    thread_team_run(team, d->n_groups, sort_out, d);
     share_out_across(d);
     gather_pairs(d, (int32_t *)t->entry);
-    team_run(team, d->n_groups, plan, d);
+    thread_team_run(team, d->n_groups, plan, d);
     place_blocks(t);
     TRY(lay_out(t, d->list, (size_t)t->start[t->n_blocks]));
-    team_run(team, d->n_groups, deal_out_group, d);
+    thread_team_run(team, d->n_groups, deal_out_group, d);
     number_rows(t);
-    *deal = (struct slot_assignment){.width = t->width,
-                                     .span_width = t->span_width,
-                                     .n_blocks = t->n_blocks,
-                                     .n_spans = n_spans(t),
-                                     .chained = t->chained,
-                                     .whole = t->whole,
-                                     .single = t->single,
-                                     .span = t->span};
-    number_spans(t, deal);
-    d->deal = deal;
-    team_run(team, d->n_groups, number_slots, d);
-    d->list->n_sets = t->span[deal->n_spans];
+    *assignment = (struct slot_assignment){.width = t->width,
+                                           .span_width = t->span_width,
+                                           .n_blocks = t->n_blocks,
+                                           .n_spans = n_spans(t),
+                                           .chained = t->chained,
+                                           .whole = t->whole,
+                                           .lone = t->lone,
+                                           .span = t->span};
+    number_spans(t, assignment);
+    d->assignment = assignment;
+    thread_team_run(team, d->n_groups, number_slots, d);
+    d->list->n_sets = t->span[assignment->n_spans];
     return STATUS_OK;
 }
 
 enum status slot_assignment_make(struct contact_list *list, int n_particles, int width, int span_width,
-                                 struct slot_assignment *deal)
+                                 struct slot_assignment *assignment)
 {
     struct dealing d = {.list = list};
     d.table = (struct table){.n_particles = n_particles,
                              .n_blocks = (n_particles + width - 1) / width,
                              .width = width,
                              .span_width = span_width,
-                             .apart = list->model.single && width == HALF_WIDTH};
+                             .apart = list->model.mixed && width == HALF_WIDTH};
     d.table.visits_max = list->search_max > 0 && list->search_max < VISITS_MAX ? list->search_max : VISITS_MAX;
     TRY(lay_out(&d.table, list, 0));
     TRY(make_groups(&d));
-    const enum status status = deal_groups(&d, deal);
+    const enum status status = deal_groups(&d, assignment);
     free(d.group);
     return status;
 }

@@ -35,33 +35,33 @@ static int paddings(const struct particles *p)
 
 static void pad_row(struct particles *p, int row)
 {
-    const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->single);
+    const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->mixed);
     double *record = (double *)p->record + (size_t)row * stride;
     memset(record, 0, stride * sizeof *record);
-    if (!p->single)
+    if (!p->mixed)
         record[0] = 1e9; /* its first coordinate [m]; with a reach of 0 it touches nothing wherever it is */
 }
 
 static enum status rests_init(struct particles *p)
 {
-    for (int c = 0; p->single && c < p->dimension; c++) {
+    for (int c = 0; p->mixed && c < p->dimension; c++) {
         TRY(array_resize(&p->u_rest[c], sizeof(float), (size_t)p->count, 0));
         TRY(array_resize(&p->v_rest[c], sizeof(float), (size_t)p->count, 0));
     }
-    for (int c = 0; p->single && c < p->n_rotations; c++)
+    for (int c = 0; p->mixed && c < p->n_rotations; c++)
         TRY(array_resize(&p->omega_rest[c], sizeof(float), (size_t)p->count, 0));
     return STATUS_OK;
 }
 
 static enum status records_init(struct particles *p)
 {
-    const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->single);
-    const size_t real = p->single ? sizeof(float) : sizeof(double);
+    const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->mixed);
+    const size_t real = p->mixed ? sizeof(float) : sizeof(double);
     p->n_padded = (p->count + ARRAY_PADDING - 1) / ARRAY_PADDING * ARRAY_PADDING + paddings(p) * ARRAY_PADDING;
     p->n_rows = p->n_padded;
     TRY(array_resize(&p->record, stride * sizeof(double), (size_t)p->n_padded, 0));
     TRY(array_resize(&p->force, 1, particles_force_size(p), 0));
-    for (int c = 0; p->single && c < p->dimension; c++)
+    for (int c = 0; p->mixed && c < p->dimension; c++)
         TRY(array_resize(&p->view_u[c], sizeof(int32_t), (size_t)p->n_padded, 0));
     for (int c = 0; c < p->dimension; c++)
         TRY(array_resize(&p->view_v[c], real, (size_t)p->n_padded, 0));
@@ -72,7 +72,7 @@ static enum status records_init(struct particles *p)
     for (int c = 0; c < p->n_rotations; c++)
         TRY(array_resize(&p->view_lag_omega[c], real, (size_t)p->n_padded, 0));
     TRY(rests_init(p));
-    for (int k = 0; !p->single && k < ARRAY_PADDING; k++) /* no two behind the last particle at one place */
+    for (int k = 0; !p->mixed && k < ARRAY_PADDING; k++) /* no two behind the last particle at one place */
         p->x[0][p->count + k] = p->x_list[0][p->count + k] = -1e6 * (k + 1);
     for (int k = 0; k < paddings(p); k++)
         pad_row(p, particles_spare_padding(p, k));
@@ -83,7 +83,7 @@ static enum status records_init(struct particles *p)
     return STATUS_OK;
 }
 
-enum status particles_init(struct particles *p, int count, int dimension, bool rotations, bool single)
+enum status particles_init(struct particles *p, int count, int dimension, bool rotations, bool mixed)
 {
     memset(p, 0, sizeof *p);
     p->count = count;
@@ -93,7 +93,7 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
     TRY(array_resize(&p->slot, sizeof *p->slot, (size_t)count, 0));
     for (int i = 0; i < count; i++)
         p->id[i] = p->slot[i] = i;
-    p->single = single;
+    p->mixed = mixed;
     p->speed_unit = p->force_unit = 1;
     TRY(components_resize(p->x, dimension, count));
     TRY(components_resize(p->v, dimension, count));
@@ -111,14 +111,14 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
 
 size_t particles_force_size(const struct particles *p)
 {
-    size_t columns = (size_t)(p->dimension + p->n_rotations) * (p->single ? sizeof(float) : sizeof(double));
-    return PARTICLES_COLUMNS_OFFSET(p->n_rows, p->dimension, frictional(p), p->single) + columns * (size_t)p->n_padded;
+    size_t columns = (size_t)(p->dimension + p->n_rotations) * (p->mixed ? sizeof(float) : sizeof(double));
+    return PARTICLES_COLUMNS_OFFSET(p->n_rows, p->dimension, frictional(p), p->mixed) + columns * (size_t)p->n_padded;
 }
 
 enum status particles_reserve_rows(struct particles *p, int rows)
 {
-    const size_t record = sizeof(double) * RECORD_STRIDE(p->dimension, frictional(p), p->single),
-                 sums = SUMS_BYTES(p->dimension, frictional(p), p->single);
+    const size_t record = sizeof(double) * RECORD_STRIDE(p->dimension, frictional(p), p->mixed),
+                 sums = SUMS_BYTES(p->dimension, frictional(p), p->mixed);
     const int before = p->n_padded;
     if (rows <= p->n_rows)
         return STATUS_OK;
@@ -129,7 +129,7 @@ enum status particles_reserve_rows(struct particles *p, int rows)
 
 void particles_start_rows(struct particles *p, int row, int count)
 {
-    const size_t sums = SUMS_BYTES(p->dimension, frictional(p), p->single);
+    const size_t sums = SUMS_BYTES(p->dimension, frictional(p), p->mixed);
     memset((char *)p->force + sums * (size_t)row, 0, sums * (size_t)count);
     pad_row(p, row + count - 1);
 }
@@ -151,8 +151,8 @@ static inline __attribute__((always_inline)) void copy_records(void *records, co
 
 void particles_copy_rows(struct particles *p, int to, const int32_t *of, int count)
 {
-    const size_t bytes = sizeof(double) * RECORD_STRIDE(p->dimension, frictional(p), p->single);
-    const size_t sums = SUMS_BYTES(p->dimension, frictional(p), p->single);
+    const size_t bytes = sizeof(double) * RECORD_STRIDE(p->dimension, frictional(p), p->mixed);
+    const size_t sums = SUMS_BYTES(p->dimension, frictional(p), p->mixed);
     memset((char *)p->force + sums * (size_t)to, 0, sums * (size_t)count);
     if (bytes == 16)
         copy_records(p->record, 16, to, of, count);
@@ -185,10 +185,10 @@ DEFINE_ADD_ROWS(float)
 void particles_add_rows(struct particles *p, const int32_t *of, const int32_t *copy, int count)
 {
     const size_t width =
-        (size_t)SUMS_BYTES(p->dimension, frictional(p), p->single) / (p->single ? sizeof(float) : sizeof(double));
-    if (p->single && width == 8)
+        (size_t)SUMS_BYTES(p->dimension, frictional(p), p->mixed) / (p->mixed ? sizeof(float) : sizeof(double));
+    if (p->mixed && width == 8)
         add_float_rows(p->force, 8, of, copy, count);
-    else if (p->single)
+    else if (p->mixed)
         add_float_rows(p->force, width, of, copy, count);
     else if (width == 8)
         add_double_rows(p->force, 8, of, copy, count);
@@ -230,7 +230,7 @@ void particles_free(struct particles *p)
 
 static void view(const struct particles *p, void *array, int i, double value)
 {
-    if (p->single)
+    if (p->mixed)
         ((float *)array)[i] = (float)value;
     else
         ((double *)array)[i] = value;
@@ -254,7 +254,7 @@ static double mean(const double *values, int count)
 void particles_set_units(struct particles *p, double time_s)
 {
     const double radius_m = mean(p->radius, p->count), mass_kg = mean(p->mass, p->count);
-    if (!p->single || !(radius_m > 0 && mass_kg > 0 && time_s > 0))
+    if (!p->mixed || !(radius_m > 0 && mass_kg > 0 && time_s > 0))
         return;
     p->speed_unit = power_of_2(radius_m / time_s);
     p->force_unit = power_of_2(mass_kg * radius_m / (time_s * time_s));
@@ -279,11 +279,11 @@ static void set_home(struct particles *p)
 {
     const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), true);
     const size_t bytes = (size_t)p->dimension * sizeof(int32_t);
-    for (int c = 0; p->single && c < p->dimension; c++) {
+    for (int c = 0; p->mixed && c < p->dimension; c++) {
         memset(p->view_u[c], 0, (size_t)p->count * sizeof(int32_t));
         memset(p->u_rest[c], 0, (size_t)p->count * sizeof(float));
     }
-    for (int i = 0; p->single && i < p->count; i++)
+    for (int i = 0; p->mixed && i < p->count; i++)
         memset((double *)p->record + (size_t)i * stride, 0, bytes);
 }
 
@@ -307,7 +307,7 @@ static void split(const double *values, int count, double unit, float *nearest, 
 
 void particles_import_state(struct particles *p)
 {
-    for (int c = 0; p->single && c < p->dimension; c++) {
+    for (int c = 0; p->mixed && c < p->dimension; c++) {
         split(p->v[c], p->count, p->speed_unit, p->view_v[c], p->v_rest[c]);
         for (int i = 0; i < p->count; i++) {
             double u = (p->x[c][i] - p->x_list[c][i]) / p->quantum, whole = nearbyint(u);
@@ -315,13 +315,13 @@ void particles_import_state(struct particles *p)
             p->u_rest[c][i] = (float)(u - whole);
         }
     }
-    for (int c = 0; p->single && c < p->n_rotations; c++)
+    for (int c = 0; p->mixed && c < p->n_rotations; c++)
         split(p->omega[c], p->count, p->speed_unit, p->view_omega[c], p->omega_rest[c]);
 }
 
 void particles_export_positions(struct particles *p)
 {
-    for (int c = 0; p->single && c < p->dimension; c++)
+    for (int c = 0; p->mixed && c < p->dimension; c++)
         for (int i = 0; i < p->count; i++)
             p->x[c][i] = p->x_list[c][i] + p->quantum * ((double)p->view_u[c][i] + (double)p->u_rest[c][i]);
 }
@@ -330,7 +330,7 @@ double particles_moved2_m2(const struct particles *p, int i)
 {
     double moved2 = 0;
     for (int c = 0; c < p->dimension; c++) {
-        double moved = p->single ? p->quantum * p->view_u[c][i] : p->x[c][i] - p->x_list[c][i];
+        double moved = p->mixed ? p->quantum * p->view_u[c][i] : p->x[c][i] - p->x_list[c][i];
         moved2 += moved * moved;
     }
     return moved2;

@@ -16,8 +16,8 @@ struct particles {
     int n_rotations;  /* components of omega: 0 without friction, 1 in 2D (about x cross z), 3 in 3D */
     int32_t *id;      /* [count] name of the particle in each slot; all else here is by slot (locality_order.h) */
     int32_t *slot;    /* [count] and the slot of each id */
-    double *x[3];     /* [count] m; what is state goes into renumber.c too; single: as of particles_export_positions */
-    double *v[3];     /* m/s; between drift and kick that at the middle of the step (single: out of date then) */
+    double *x[3];     /* [count] m; what is state goes into renumber.c too; mixed: as of particles_export_positions */
+    double *v[3];     /* m/s; between drift and kick that at the middle of the step (mixed: out of date then) */
     double *a[3];     /* m/s^2, when the step is complete */
     double *omega[3]; /* rad/s; like v */
     double *alpha[3]; /* rad/s^2 */
@@ -26,12 +26,12 @@ struct particles {
     double *inv_mass;
     double *inv_inertia; /* 1/(2/5 m a^2); only with rotations */
     double *x_list[3];   /* positions at the last rebuild of the lists */
-    bool single;         /* contacts in float (mixed precision) */
+    bool mixed;          /* contacts in float (mixed precision) */
     int n_padded;        /* of columns: whole vectors, and the padding particles behind them */
     int n_rows;          /* of records and rows of sums: n_padded, and room for copies behind them (halo.h) */
     void *record;        /* [n_rows][RECORD_STRIDE] what contacts need, side by side; made by drift */
     void *force;         /* sums of contact forces [N] and of moments n x f_t [N]: below; rows are zeroed by kick */
-    double quantum;      /* single: the unit of u [m] */
+    double quantum;      /* mixed: the unit of u [m] */
     /* Single: what floats count velocities and forces in [m/s, N], powers of 2 that suit the sample, so that its size,
      * mass and pace are out of reach of float's range; rotations go in speed_unit/m, accelerations in speed_unit/s.
      * Double: 1. */
@@ -45,7 +45,7 @@ struct particles {
     /* With friction: what the mean of the predicted velocities at both ends of a step is short of that of the middle,
      * v(k+1/2) = (v*(k) + v*(k+1) + lag)/2; so contacts follow the particles exactly. */
     void *view_lag[3], *view_lag_omega[3];
-    int32_t *view_u[3];                                   /* [n_padded] single: u; made by drift */
+    int32_t *view_u[3];                                   /* [n_padded] mixed: u; made by drift */
     void *view_inv_mass, *view_minus_lever, *view_radius; /* [count] minus_lever: -a/I */
 };
 
@@ -56,14 +56,14 @@ struct particles {
  * float: first a row for each particle, 2D [f0 f1], with friction [f0 f1 moment -]; 3D [f0 f1 f2 -], with friction
  * [moment0 moment1 moment2 -]. Behind the n_rows rows a column of n_padded for each component of force and moment, for
  * sums over particles side by side, which the kernel of the pairs starts anew. Torque = -a moment. */
-#define RECORD_STRIDE(dimension, frictional, single)                                                                   \
-    (((dimension) == 2 ? 4 : 8) * ((frictional) ? 2 : 1) / ((single) ? 2 : 1))
-#define SUMS_BYTES(dimension, frictional, single)                                                                      \
-    ((int)((dimension) == 2 ? ((frictional) ? 4 : 2) : ((frictional) ? 8 : 4)) * ((single) ? 4 : 8))
+#define RECORD_STRIDE(dimension, frictional, mixed)                                                                    \
+    (((dimension) == 2 ? 4 : 8) * ((frictional) ? 2 : 1) / ((mixed) ? 2 : 1))
+#define SUMS_BYTES(dimension, frictional, mixed)                                                                       \
+    ((int)((dimension) == 2 ? ((frictional) ? 4 : 2) : ((frictional) ? 8 : 4)) * ((mixed) ? 4 : 8))
 #define FORCE_MOMENT(dimension) ((dimension) == 2 ? 2 : 4)
 /* Where the columns start, in bytes. */
-#define PARTICLES_COLUMNS_OFFSET(rows, dimension, frictional, single)                                                  \
-    ((size_t)(rows)*SUMS_BYTES(dimension, frictional, single))
+#define PARTICLES_COLUMNS_OFFSET(rows, dimension, frictional, mixed)                                                   \
+    ((size_t)(rows)*SUMS_BYTES(dimension, frictional, mixed))
 
 /* Samples from here on are large: they are cut for threads (threads.h). */
 enum { PARTICLES_LARGE_SAMPLE = 10000, PARTICLES_PADDINGS = 8 };
@@ -83,7 +83,7 @@ void particles_copy_rows(struct particles *particles, int to, const int32_t *of,
 void particles_add_rows(struct particles *particles, const int32_t *of, const int32_t *copy, int count);
 
 /* Allocates `count` zeroed particles. Errors: STATUS_NO_MEMORY. */
-enum status particles_init(struct particles *particles, int count, int dimension, bool rotations, bool single) MUST_USE;
+enum status particles_init(struct particles *particles, int count, int dimension, bool rotations, bool mixed) MUST_USE;
 void particles_free(struct particles *particles);
 
 /* Size of particles->force [B]. */

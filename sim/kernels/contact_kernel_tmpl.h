@@ -135,7 +135,7 @@ LANES_INLINE struct NAME(seats) NAME(seats)(const struct NAME(range) * r, enum p
 }
 
 /* First part of LANES pairs of a set, from its slot l on: what the law wants to know of them but for the root of the
- * distance, for which the reach is in the place of `inverse` and, single, reach^2 - d^2 in that of delta. */
+ * distance, for which the reach is in the place of `inverse` and, mixed, reach^2 - d^2 in that of delta. */
 LANES_INLINE struct NAME(meeting)
     NAME(approach)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l)
 {

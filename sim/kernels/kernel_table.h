@@ -1,5 +1,5 @@
 /* The kernels of every model under the including file's ISA, and the table of them: [law][dimension - 2][friction]
- * [single]. */
+ * [mixed]. */
 enum {
     CHUNK = 8,         /* sets that go through a kernel's parts together */
     ASK_AHEAD = 8,     /* sets, of what the caches do not hold */

@@ -1,6 +1,6 @@
 #include "sim/kernels/kernels.h"
 
-/* Tables of kernel_table.h: [law][dimension - 2][friction][single] */
+/* Tables of kernel_table.h: [law][dimension - 2][friction][mixed] */
 #define DECLARE_TABLE(name) extern const struct kernels kernel_table_##name[LAW_COUNT][2][3][2];
 INSTRUCTION_SETS(DECLARE_TABLE)
 #undef DECLARE_TABLE
@@ -12,5 +12,5 @@ struct kernels kernels_select(enum instruction_set isa, const struct contact_mod
         INSTRUCTION_SETS(TABLE)
 #undef TABLE
     };
-    return tables[isa][model->normal][model->dimension - 2][contact_model_friction(model)][model->single];
+    return tables[isa][model->normal][model->dimension - 2][contact_model_friction(model)][model->mixed];
 }

@@ -1,5 +1,5 @@
 /* Drift and kick: what a step does to the particles themselves; and their records for the contacts. Positions and
- * velocities are summed up in double, or, single, in the integers and floats that contacts have and a rest of each
+ * velocities are summed up in double, or, mixed, in the integers and floats that contacts have and a rest of each
  * (particles.h); forces and accelerations are `real`. Parameters as of contact_law_tmpl.h. */
 
 /* Asks for what `pack` will write a few turns from now: lines that are only written are not fetched ahead by
@@ -12,7 +12,7 @@ LANES_INLINE void NAME(pack_ahead)(const struct particles *p, int i)
         __builtin_prefetch(record + b, 1);
 }
 
-/* How LANES particles move, as contacts want to know it: positions (single: u), predicted velocities, and with friction
+/* How LANES particles move, as contacts want to know it: positions (mixed: u), predicted velocities, and with friction
  * their lag (particles.h). */
 struct NAME(motion) {
     real x[DIM], v[DIM];
@@ -116,7 +116,7 @@ struct NAME(push) {
 struct NAME(kick) {
     f64 half;
     real minus_gamma_b, gravity[3], minus_slowing;
-    f64 speed_unit; /* single; particles.h */
+    f64 speed_unit; /* mixed; particles.h */
     struct NAME(doubles) v2, spin2;
 };
 
@@ -169,7 +169,7 @@ LANES_INLINE struct NAME(push) NAME(pushed)(struct particles *p, int i, struct N
 }
 
 /* Constants of a drift in all lanes, and whether all particles so far are near: no further than sqrt(limit2) from where
- * the lists were built (single: quanta), and not NaN. */
+ * the lists were built (mixed: quanta), and not NaN. */
 struct NAME(drift) {
     real_mask near;
     real half, limit2;

@@ -81,7 +81,7 @@ bool history_has(const struct contact_model *model, int c)
 {
     const struct history_field *field = &table[c].field;
     const int components = model->dimension == 2 ? 1 : 3;
-    return table[c].has(model) && field->component < components && (model->single || !field->is_rest);
+    return table[c].has(model) && field->component < components && (model->mixed || !field->is_rest);
 }
 
 bool history_is_odd(const struct contact_model *model, int c)

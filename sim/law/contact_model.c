@@ -17,12 +17,12 @@ static int normal_law_of(const struct scene *scene)
     return normal;
 }
 
-struct contact_model contact_model_make(int dimension, int normal, bool frictional, bool single)
+struct contact_model contact_model_make(int dimension, int normal, bool frictional, bool mixed)
 {
     return (struct contact_model){.dimension = dimension,
                                   .normal = normal,
                                   .frictional = frictional,
-                                  .single = single,
+                                  .mixed = mixed,
                                   .traits = contact_law_traits(normal)};
 }
 

@@ -11,7 +11,7 @@ struct contact_model {
     int normal;    /* enum contact_law */
     bool frictional;
     bool rolling; /* and with rolling and torsion resistance */
-    bool single;  /* in float (mixed precision), else in double */
+    bool mixed;   /* in float (mixed precision), else in double */
     int traits;   /* of the normal law, enum normal_trait */
 };
 
@@ -25,7 +25,7 @@ enum normal_trait {
 struct contact_model contact_model_of(const struct scene *scene);
 
 /* The same from its parts, with the traits of the law, without rolling resistance. */
-struct contact_model contact_model_make(int dimension, int normal, bool frictional, bool single);
+struct contact_model contact_model_make(int dimension, int normal, bool frictional, bool mixed);
 
 /* Constants of a contact, for laws with NORMAL_PER_PAIR: root of the reduced mass [kg^(1/2)], reduced radius a_i
  * a_j/(a_i + a_j), against a wall a_i, in the unit of the slots. */

@@ -11,7 +11,7 @@ struct NAME(twisted) {
     real pull, moved;
 };
 
-/* The test force, and the spring (single: its change) if nothing slides. */
+/* The test force, and the spring (mixed: its change) if nothing slides. */
 LANES_INLINE struct NAME(twisted)
     NAME(twist_test)(const struct NAME(law) * law, real v, real way, const struct NAME(memory) * memory)
 {

@@ -159,7 +159,7 @@ static void gather(void *context, int first, int end)
     }
 }
 
-enum status cell_list_sort(struct cell_list *cells, const struct particles *p, double skin_m, struct team *team)
+enum status cell_list_sort(struct cell_list *cells, const struct particles *p, double skin_m, struct thread_team *team)
 {
     struct sorting sorting = {cells, p};
     if (p->count == 0)

@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-#include "sim/base/team.h"
+#include "sim/base/thread_team.h"
 #include "sim/grains/particles.h"
 
 enum { CELL_LEVELS_MAX = 12 };
@@ -41,7 +41,7 @@ void cell_list_free(struct cell_list *cells);
 /* Sorts the particles where they are now; cells are at least twice the largest radius of their level and `skin_m` wide.
  * The team may be NULL. Errors: STATUS_NO_MEMORY. */
 enum status cell_list_sort(struct cell_list *cells, const struct particles *particles, double skin_m,
-                           struct team *team) MUST_USE;
+                           struct thread_team *team) MUST_USE;
 
 /* Smallest and largest of x [n], n > 0. */
 void cell_list_range(const double *x, int n, double *lowest, double *highest);

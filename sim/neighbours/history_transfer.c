@@ -45,14 +45,14 @@ static enum status find_sources(struct transfer *t)
 static void transfer_slots(void *context, int first, int end)
 {
     const struct transfer *t = context;
-    const size_t real = t->to->model.single ? sizeof(float) : sizeof(double);
+    const size_t real = t->to->model.mixed ? sizeof(float) : sizeof(double);
     void *array = (char *)t->to->slots.history[t->column] + real * (size_t)first;
     const void *known = t->from->slots.history[t->column];
     const int32_t *source = t->to->scratch + first;
     const bool turns = history_is_odd(&t->to->model, t->column);
     if (t->from->count == 0)
         memset(array, 0, real * (size_t)(end - first));
-    else if (t->to->model.single)
+    else if (t->to->model.mixed)
         t->search->transfer_floats(array, known, source, end - first, turns);
     else
         t->search->transfer_doubles(array, known, source, end - first, turns);

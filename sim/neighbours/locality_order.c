@@ -113,10 +113,10 @@ static void permute(void *array, size_t size, int count, const int32_t *order, v
     memcpy(array, scratch, size * (size_t)count);
 }
 
-/* What steps go on with in the views; and single. */
+/* What steps go on with in the views; and mixed. */
 static void permute_steps(struct particles *p, const int32_t *order, void *scratch)
 {
-    const size_t real = p->single ? sizeof(float) : sizeof(double);
+    const size_t real = p->mixed ? sizeof(float) : sizeof(double);
     for (int c = 0; c < 3; c++) {
         permute(p->view_v[c], real, p->count, order, scratch);
         permute(p->view_omega[c], real, p->count, order, scratch);

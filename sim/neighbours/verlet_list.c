@@ -21,7 +21,7 @@ static double mean_radius(const struct particles *p)
 
 static enum status init_pieces(struct verlet_list *nb, const struct particles *p)
 {
-    const int n = PIECES_PER_THREAD * team_in_use(nb->team);
+    const int n = PIECES_PER_THREAD * thread_team_in_use(nb->team);
     nb->n_pieces = !nb->team ? 1 : n < PIECES_MAX ? n : PIECES_MAX;
     nb->n_spans = (p->count + SPAN_WIDTH - 1) / SPAN_WIDTH;
     nb->piece = calloc((size_t)nb->n_pieces, sizeof *nb->piece);
@@ -33,7 +33,7 @@ static enum status init_pieces(struct verlet_list *nb, const struct particles *p
 }
 
 enum status verlet_list_init(struct verlet_list *nb, const struct particles *p, double skin_ratio,
-                             const struct contact_model *model, enum instruction_set isa, struct team *team)
+                             const struct contact_model *model, enum instruction_set isa, struct thread_team *team)
 {
     const double first_guess = 0.1;
     memset(nb, 0, sizeof *nb);
@@ -256,12 +256,12 @@ static enum status find_pairs_together(struct verlet_list *nb, const struct part
                                        const struct contact_list *from)
 {
     struct build build = {nb, p, to, from};
-    team_run(nb->team, nb->n_pieces, search_piece, &build);
+    thread_team_run(nb->team, nb->n_pieces, search_piece, &build);
     TRY(count_pairs(nb));
     TRY(reserve_pairs(nb, nb->span_first[nb->n_spans], to, p->dimension));
     TRY(reserve_source(nb, to->count));
-    team_run(nb->team, nb->n_pieces, scatter_piece, &build);
-    team_run(nb->team, nb->n_spans, finish_span, &build);
+    thread_team_run(nb->team, nb->n_pieces, scatter_piece, &build);
+    thread_team_run(nb->team, nb->n_spans, finish_span, &build);
     return STATUS_OK;
 }
 
@@ -335,7 +335,7 @@ static int find_near(struct verlet_list *nb, const struct particles *p, const st
 {
     struct near_work work = {.particles = p, .wall = wall, .skin = nb->skin, .near = near};
     int count = 0;
-    team_run(nb->team, NEAR_RANGES, find_near_range, &work);
+    thread_team_run(nb->team, NEAR_RANGES, find_near_range, &work);
     for (int k = 0; k < NEAR_RANGES; k++) {
         memmove(near + count, near + near_first(p, k), (size_t)work.found[k] * sizeof *near);
         count += work.found[k];

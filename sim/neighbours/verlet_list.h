@@ -20,7 +20,7 @@ struct verlet_piece {
 };
 
 struct verlet_list {
-    struct team *team;          /* NULL: the caller alone, with one piece */
+    struct thread_team *team;   /* NULL: the caller alone, with one piece */
     struct verlet_piece *piece; /* [n_pieces] */
     int n_pieces, n_spans;
     int32_t *span_first; /* [n_spans + 1] where the pairs of each span start in the list */
@@ -42,7 +42,8 @@ struct verlet_list {
 /* Prepares lists for particles and contacts of a model, built by a team, or, without one (NULL), by the caller alone:
  * the same lists. skin_ratio: skin over the mean radius; 0: tuned while running. Errors: STATUS_NO_MEMORY. */
 enum status verlet_list_init(struct verlet_list *verlet, const struct particles *particles, double skin_ratio,
-                             const struct contact_model *model, enum instruction_set isa, struct team *team) MUST_USE;
+                             const struct contact_model *model, enum instruction_set isa,
+                             struct thread_team *team) MUST_USE;
 void verlet_list_free(struct verlet_list *verlet);
 
 /* Builds `pairs` and the walls' lists anew for the current positions: every pair closer than the radii and the skin,

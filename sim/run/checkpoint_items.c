@@ -172,7 +172,7 @@ static const struct entry members[] = {
 struct model {
     size_t count; /* members of an array */
     int axes, rotations;
-    bool single;
+    bool mixed;
 };
 
 static int components(const struct entry *entry, const struct model *model)
@@ -181,12 +181,12 @@ static int components(const struct entry *entry, const struct model *model)
                      [ONE_ARRAY] = 1,
                      [PER_AXIS] = model->axes,
                      [PER_ROTATION] = model->rotations,
-                     [PER_AXIS_IF_SINGLE] = model->single ? model->axes : 0,
-                     [PER_ROTATION_IF_SINGLE] = model->single ? model->rotations : 0,
-                     [PER_AXIS_IF_TURNING] = !model->single && model->rotations > 0 ? model->axes : 0,
-                     [PER_ROTATION_IF_DOUBLE] = !model->single ? model->rotations : 0,
+                     [PER_AXIS_IF_SINGLE] = model->mixed ? model->axes : 0,
+                     [PER_ROTATION_IF_SINGLE] = model->mixed ? model->rotations : 0,
+                     [PER_AXIS_IF_TURNING] = !model->mixed && model->rotations > 0 ? model->axes : 0,
+                     [PER_ROTATION_IF_DOUBLE] = !model->mixed ? model->rotations : 0,
                      [IF_ROTATIONS] = model->rotations > 0,
-                     [IN_PLACE_IF_SINGLE] = model->single};
+                     [IN_PLACE_IF_SINGLE] = model->mixed};
     return n[entry->extent];
 }
 
@@ -246,7 +246,7 @@ static void collect(struct checkpoint_items *items, struct sample *sample, struc
     const struct particles *p = &sample->particles;
     (void)sample_complete(sample);
     const struct model particles = {
-        .count = (size_t)p->count, .axes = p->dimension, .rotations = p->n_rotations, .single = p->single};
+        .count = (size_t)p->count, .axes = p->dimension, .rotations = p->n_rotations, .mixed = p->mixed};
     items->n = 0;
     if (progress)
         collect_owner(items, OF_PROGRESS, "progress", progress, &particles);

@@ -7,7 +7,7 @@
 #include "common/message.h"
 #include "common/signals.h"
 #include "sim/run/command_check.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 /* Without an answer the state is sent again when it is later than answers were so far, within these; each time in vain
  * the wait doubles. */
@@ -48,11 +48,11 @@ static void on_command(const lcm_recv_buf_t *buffer, const char *channel, void *
     exchange->answer = command;
     exchange->answered = true;
     if (exchange->record_walls)
-        record_stream_keep_wall(exchange->stream, true, exchange->seq, buffer->data, buffer->data_size);
+        record_sender_keep_wall(exchange->stream, true, exchange->seq, buffer->data, buffer->data_size);
 }
 
 enum status exchange_init(struct exchange *exchange, const struct scene *scene, struct bus *bus,
-                          struct record_stream *stream, int64_t run_id, bool in_process, struct replay *replay)
+                          struct record_sender *stream, int64_t run_id, bool in_process, struct replay *replay)
 {
     *exchange = (struct exchange){.scene = scene,
                                   .bus = bus,
@@ -70,7 +70,7 @@ static enum status publish(struct exchange *exchange, bool is_command, const voi
     if (size == 0)
         return status_fail(STATUS_LIMIT, "%s is larger than %d bytes", channel, WALL_MESSAGE_MAX);
     if (exchange->record_walls)
-        record_stream_keep_wall(exchange->stream, is_command, exchange->seq, data, size);
+        record_sender_keep_wall(exchange->stream, is_command, exchange->seq, data, size);
     return bus_publish(exchange->bus, channel, data, size);
 }
 
@@ -150,7 +150,7 @@ static enum status wait_for_answer(struct exchange *exchange)
             break;
         if (stop_requested() && clock_now_s() - start > STOP_PATIENCE_S)
             return status_fail(STATUS_INTERRUPTED, "interrupted at step %lld", (long long)state->step);
-        TRY(record_stream_service(exchange->stream));
+        TRY(record_sender_service(exchange->stream));
         double now = clock_now_s();
         if (now - start > exchange->scene->coupling.timeout_s)
             return no_answer(exchange);
@@ -192,7 +192,7 @@ enum status exchange_ask(struct exchange *exchange, const struct wall_state *sta
     exchange->answered = false;
     exchange->ignored = 0;
     if (exchange->record_walls)
-        TRY(record_stream_wait_for_walls(exchange->stream, exchange->seq));
+        TRY(record_sender_wait_for_walls(exchange->stream, exchange->seq));
     exchange->open = !exchange->replay && !exchange->in_process;
     if (exchange->open)
         return publish_state(exchange, state);

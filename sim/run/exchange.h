@@ -4,14 +4,14 @@
 
 #include "common/bus.h"
 #include "common/coupling.h"
-#include "common/record_stream.h"
-#include "common/round_trip.h"
+#include "common/record_sender.h"
+#include "common/round_trip_time.h"
 #include "sim/run/replay.h"
 
 struct exchange {
     const struct scene *scene;
     struct bus *bus;
-    struct record_stream *stream; /* served while waiting */
+    struct record_sender *stream; /* served while waiting */
     int64_t run_id;
     bool in_process;        /* the law is called here */
     struct replay *replay;  /* answers come from a log; NULL: not */
@@ -30,7 +30,7 @@ struct exchange {
 
 /* Fills `exchange`; over LCM (neither in_process nor `replay`) subscribes WALL_COMMAND. */
 enum status exchange_init(struct exchange *exchange, const struct scene *scene, struct bus *bus,
-                          struct record_stream *stream, int64_t run_id, bool in_process,
+                          struct record_sender *stream, int64_t run_id, bool in_process,
                           struct replay *replay) MUST_USE;
 
 /* Asks for the command that answers `state`; it may come while other things are done. */

@@ -4,9 +4,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/time_step.h"
-#include "sim/look/step_limit.h"
-#include "sim/look/strain_limit.h"
+#include "common/auto_time_step.h"
+#include "sim/measure/step_limit.h"
+#include "sim/measure/strain_limit.h"
 #include "sim/run/explain_scales.h"
 #include "sim/run/sample_source.h"
 
@@ -21,14 +21,14 @@ static double mean_radius_m(const struct particles *p)
 static size_t bytes_per_particle(const struct particles *p)
 {
     bool frictional = p->n_rotations > 0;
-    size_t real = p->single ? sizeof(float) : sizeof(double);
+    size_t real = p->mixed ? sizeof(float) : sizeof(double);
     size_t reals =
         4 * (size_t)p->dimension + 2 * (size_t)p->n_rotations + 3; /* x v a x_list, omega alpha, radius ... */
-    size_t sums = (size_t)SUMS_BYTES(p->dimension, frictional, p->single);
-    size_t record = RECORD_STRIDE(p->dimension, frictional, p->single) * sizeof(double);
+    size_t sums = (size_t)SUMS_BYTES(p->dimension, frictional, p->mixed);
+    size_t record = RECORD_STRIDE(p->dimension, frictional, p->mixed) * sizeof(double);
     size_t columns = (size_t)(p->dimension + p->n_rotations) * real;
-    /* single: and a rest of each; with friction lags */
-    size_t views = p->single ? (size_t)(4 * p->dimension + 2 * p->n_rotations + frictional) * sizeof(float) : 0;
+    /* mixed: and a rest of each; with friction lags */
+    size_t views = p->mixed ? (size_t)(4 * p->dimension + 2 * p->n_rotations + frictional) * sizeof(float) : 0;
     size_t lags = frictional ? columns : 0;
     return (reals + frictional) * sizeof(double) + record + sums + columns + views + lags;
 }
@@ -36,10 +36,10 @@ static size_t bytes_per_particle(const struct particles *p)
 /* What the kernels read and write. */
 static size_t bytes_per_candidate(const struct contact_list *list, int dimension)
 {
-    size_t real = list->model.single ? sizeof(float) : sizeof(double), reals = 1;
+    size_t real = list->model.mixed ? sizeof(float) : sizeof(double), reals = 1;
     for (int c = 0; c < HISTORY_COLUMNS; c++)
         reals += history_has(&list->model, c);
-    return sizeof(uint32_t) + (list->model.single ? (1 + (size_t)dimension) * sizeof(float) : 0) + reals * real;
+    return sizeof(uint32_t) + (list->model.mixed ? (1 + (size_t)dimension) * sizeof(float) : 0) + reals * real;
 }
 
 static void explain_contacts(FILE *out, const struct contact_list *list, int dimension)

@@ -13,7 +13,7 @@
 #include "shakedown_run_info_t.h"
 #include "shakedown_sample_t.h"
 #include "sim/grains/particle_order.h"
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 
 /* Chunks stay below this, headers included: one message is at most BUS_MESSAGE_MAX. */
 enum { CHUNK_BYTES = 55000, PARTICLES_PER_CHUNK = CHUNK_BYTES / (2 * (int)sizeof(double)) };
@@ -23,16 +23,16 @@ enum { CHUNK_BYTES = 55000, PARTICLES_PER_CHUNK = CHUNK_BYTES / (2 * (int)sizeof
     do {                                                                                                               \
         static uint8_t buffer_[BUS_MESSAGE_MAX];                                                                       \
         (message)->run_id = (records)->run_id;                                                                         \
-        (message)->seq = record_stream_next_seq((records)->stream, channel);                                           \
+        (message)->seq = record_sender_next_seq((records)->stream, channel);                                           \
         (message)->step = (sample)->step;                                                                              \
         (message)->time_s = (sample)->time_s;                                                                          \
         int size_ = shakedown_##type##_encode(buffer_, 0, sizeof buffer_, message);                                    \
         if (size_ < 0)                                                                                                 \
             return status_fail(STATUS_LIMIT, #type ": the message is larger than %d bytes", BUS_MESSAGE_MAX);          \
-        return record_stream_publish((records)->stream, channel, buffer_, (size_t)size_);                              \
+        return record_sender_publish((records)->stream, channel, buffer_, (size_t)size_);                              \
     } while (0)
 
-void records_init(struct records *records, struct record_stream *stream, int64_t run_id)
+void records_init(struct records *records, struct record_sender *stream, int64_t run_id)
 {
     *records = (struct records){.stream = stream, .run_id = run_id, .last_sample_step = -1, .last_frame_step = -1};
 }
@@ -146,8 +146,8 @@ enum status records_send_checkpoint(struct records *records, const struct sample
 {
     int64_t total[RECORD_CHANNELS], hash[RECORD_CHANNELS];
     for (int c = 0; c < RECORD_CHANNELS; c++) {
-        total[c] = record_stream_total(records->stream, c);
-        hash[c] = record_stream_hash(records->stream, c);
+        total[c] = record_sender_total(records->stream, c);
+        hash[c] = record_sender_hash(records->stream, c);
     }
     shakedown_checkpoint_t message = {.n_channels = RECORD_CHANNELS,
                                       .total = total,
@@ -408,8 +408,8 @@ enum status records_send_end(struct records *records, struct complete_sample who
 {
     int64_t total[RECORD_CHANNELS], hash[RECORD_CHANNELS];
     for (int c = 0; c < RECORD_CHANNELS; c++) {
-        total[c] = record_stream_total(records->stream, c) + (c == RECORD_END);
-        hash[c] = record_stream_hash(records->stream, c);
+        total[c] = record_sender_total(records->stream, c) + (c == RECORD_END);
+        hash[c] = record_sender_hash(records->stream, c);
     }
     shakedown_end_t message = {
         .status = why,
@@ -424,7 +424,7 @@ enum status records_send_end(struct records *records, struct complete_sample who
         .wall_states = totals->wall_states,
         .wall_commands = totals->wall_commands,
         .commands_repeated = totals->commands_repeated,
-        .records_repeated = record_stream_repeated(records->stream),
+        .records_repeated = record_sender_repeated(records->stream),
     };
     SEND(records, whole.sample, RECORD_END, end_t, &message);
 }

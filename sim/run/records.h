@@ -3,12 +3,12 @@
 #define SHAKEDOWN_SIM_RUN_RECORDS_H
 
 #include "common/message.h"
-#include "common/record_stream.h"
-#include "sim/look/measure.h"
+#include "common/record_sender.h"
+#include "sim/measure/measure.h"
 #include "sim/sample/sample.h"
 
 struct records {
-    struct record_stream *stream;
+    struct record_sender *stream;
     int64_t run_id;
     int32_t n_frames;                          /* frames sent so far */
     int64_t last_sample_step, last_frame_step; /* -1: none */
@@ -16,7 +16,7 @@ struct records {
     double residual_ratio;                     /* of the last sample: ledger residual over work of walls and gravity */
 };
 
-void records_init(struct records *records, struct record_stream *stream, int64_t run_id);
+void records_init(struct records *records, struct record_sender *stream, int64_t run_id);
 
 /* What a record that goes on holds already. */
 struct records_resumed {

@@ -161,7 +161,7 @@ enum status run_scene(const struct scene *scene, const struct run_options *optio
     enum status status = run_records_open(&run);
     if (status == STATUS_OK)
         status = run_records_finish(&run, start_and_loop(&run));
-    record_stream_free(run.stream);
+    record_sender_free(run.stream);
     if (run.bus.lcm || run.bus.log)
         bus_close(&run.bus);
     if (options->progress && run.start_s > 0)

@@ -35,8 +35,8 @@ static struct run_progress progress_of(const struct run *run, bool answered)
     if (run->has_command)
         progress.command = run->command;
     for (int c = 0; run->stream && c < RECORD_CHANNELS; c++) {
-        progress.record_total[c] = record_stream_total(run->stream, c);
-        progress.record_hash[c] = record_stream_hash(run->stream, c);
+        progress.record_total[c] = record_sender_total(run->stream, c);
+        progress.record_hash[c] = record_sender_hash(run->stream, c);
     }
     return progress;
 }
@@ -47,9 +47,9 @@ static enum status secure_records(struct run *run, int64_t exchanges, int64_t *l
     *log_bytes = 0;
     if (!run->stream)
         return STATUS_OK;
-    TRY(record_stream_flush(run->stream));
+    TRY(record_sender_flush(run->stream));
     TRY(records_send_checkpoint(&run->records, run->sample, exchanges));
-    TRY(record_stream_flush(run->stream));
+    TRY(record_sender_flush(run->stream));
     return bus_log_sync(&run->bus, log_bytes);
 }
 

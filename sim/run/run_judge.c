@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/look/at_rest.h"
-#include "sim/look/measure.h"
-#include "sim/look/step_limit.h"
-#include "sim/look/strain_limit.h"
+#include "sim/measure/at_rest.h"
+#include "sim/measure/measure.h"
+#include "sim/measure/step_limit.h"
+#include "sim/measure/strain_limit.h"
 #include "sim/sample/energy.h"
 #include "sim/sample/step_completion.h"
 

@@ -3,7 +3,7 @@
 
 #include "common/bus.h"
 #include "common/coupling.h"
-#include "sim/look/stage_watch.h"
+#include "sim/measure/stage_watch.h"
 
 /* Where a run stands, beside the state of the sample. */
 struct run_progress {

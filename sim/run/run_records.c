@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "sim/look/measure.h"
+#include "sim/measure/measure.h"
 #include "sim/run/run_checkpoints.h"
 #include "sim/run/run_judge.h"
 #include "sim/sample/step_completion.h"
@@ -113,7 +113,7 @@ static enum status resume_records(struct run *run)
     memcpy(total, run->before.record_total, sizeof total);
     if (!run->bus.is_log)
         total[RECORD_RUN_INFO] = total[RECORD_PARTICLES] = 0;
-    record_stream_resume(run->stream, total, run->before.record_hash, run->before.exchanges);
+    record_sender_resume(run->stream, total, run->before.record_hash, run->before.exchanges);
     run->records.n_frames = (int32_t)run->before.frames;
     return STATUS_OK;
 }
@@ -125,7 +125,7 @@ enum status run_records_open(struct run *run)
     if (run->resumed && run->options->url && strstr(run->options->url, "mode=w"))
         return status_fail(STATUS_USAGE, "%s would lose what was recorded: go on with ?mode=a", run->options->url);
     TRY(bus_open_direct(&run->bus, run->options->url));
-    TRY(record_stream_create(&run->stream, &run->bus, run->options->run_id, run->scene->coupling.timeout_s));
+    TRY(record_sender_create(&run->stream, &run->bus, run->options->run_id, run->scene->coupling.timeout_s));
     records_init(&run->records, run->stream, run->options->run_id);
     return resume_records(run);
 }
@@ -138,7 +138,7 @@ enum status run_records_start(struct run *run)
     memcpy(resumed.total, run->before.record_total, sizeof resumed.total);
     TRY(records_send_start(&run->records, run->sample, run->options->controller,
                            record_goes_on(run) ? &resumed : NULL));
-    return record_stream_flush(run->stream); /* the recorder is there before anything happens */
+    return record_sender_flush(run->stream); /* the recorder is there before anything happens */
 }
 
 /* A run that stopped by itself: the state that it stopped in, as a last sample, frame and checkpoint, so that one can
@@ -180,7 +180,7 @@ enum status run_records_finish(struct run *run, enum status status)
         (void)status_fail(status, "%s", message); /* END's reason */
     sent = send_end(run, status);
     if (sent == STATUS_OK)
-        sent = record_stream_flush(run->stream);
+        sent = record_sender_flush(run->stream);
     int64_t log_bytes;
     if (sent == STATUS_OK) /* a recorder does that itself */
         sent = bus_log_sync(&run->bus, &log_bytes);

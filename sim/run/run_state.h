@@ -2,9 +2,9 @@
 #ifndef SHAKEDOWN_SIM_RUN_RUN_STATE_H
 #define SHAKEDOWN_SIM_RUN_RUN_STATE_H
 
-#include "common/record_stream.h"
-#include "sim/look/stage_watch.h"
-#include "sim/look/time_remaining.h"
+#include "common/record_sender.h"
+#include "sim/measure/stage_watch.h"
+#include "sim/measure/time_remaining.h"
 #include "sim/run/exchange.h"
 #include "sim/run/records.h"
 #include "sim/run/run_options.h"
@@ -28,7 +28,7 @@ struct run {
     const struct run_options *options;
     struct sample *sample;
     struct bus bus;
-    struct record_stream *stream;
+    struct record_sender *stream;
     struct records records;
     struct exchange exchange;
     struct run_judge judge;

@@ -48,8 +48,8 @@ static void fill_status(struct run *run, double now, shakedown_status_t *message
     };
     if (run->stream) {
         message->energy_residual_ratio = run->records.residual_ratio;
-        message->records_repeated = record_stream_repeated(run->stream);
-        message->records_waiting = record_stream_waiting(run->stream);
+        message->records_repeated = record_sender_repeated(run->stream);
+        message->records_waiting = record_sender_waiting(run->stream);
     }
 }
 
@@ -80,7 +80,7 @@ enum status run_status_tick(struct run *run)
 {
     double now = clock_now_s(), since = now - run->status_s, strain[3], stress[3];
     if (run->stream)
-        TRY(record_stream_service(run->stream));
+        TRY(record_sender_service(run->stream));
     if (stop_requested() && run->stop_s <= 0)
         run->stop_s = now;
     if (run->stop_s > 0 && now - run->stop_s > STOP_PATIENCE_S)

@@ -16,7 +16,7 @@ static double take_value(const struct sample *from, const struct contact_model *
     if (!history_has(&old->model, c))
         return 0;
     /* in double there is no place for what rounding left out */
-    return to->single ? contact_list_value(old, c, k) : contact_list_whole(old, c, k);
+    return to->mixed ? contact_list_value(old, c, k) : contact_list_whole(old, c, k);
 }
 
 /* Contacts of another model, unpadded: the lists are built anew from them. */

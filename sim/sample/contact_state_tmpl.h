@@ -2,7 +2,7 @@
 #if !SINGLE
 #include "sim/law/contact_law_tmpl.h"
 
-#include "sim/law/contact_look_tmpl.h"
+#include "sim/law/contact_measure_tmpl.h"
 
 /* Contact k of list l, which touches. */
 static void NAME(contact_at)(const struct sample *sample, int l, int k, const struct contact_geometry *g,

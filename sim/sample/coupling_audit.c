@@ -5,7 +5,7 @@
 #include "sim/sample/energy.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/wall_motion.h"
-#include "wallctl/law.h"
+#include "wallctl/control_law.h"
 
 /* The watch looks at windows of intervals. One with a mismatch beyond all energy of the sample is bad, one that loses a
  * few percent of it leaks; this many in a row are too many. Where the mismatch is a small part of the work it is not

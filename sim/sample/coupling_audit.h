@@ -1,7 +1,7 @@
 /* The interface between walls and controller: the energy that a loop closed only now and then gains or loses there,
  * measured on both sides, and the watch for loops that are not stable. */
-#ifndef SHAKEDOWN_SIM_LOOK_COUPLING_AUDIT_H
-#define SHAKEDOWN_SIM_LOOK_COUPLING_AUDIT_H
+#ifndef SHAKEDOWN_SIM_MEASURE_COUPLING_AUDIT_H
+#define SHAKEDOWN_SIM_MEASURE_COUPLING_AUDIT_H
 
 #include "sim/sample/sample.h"
 

@@ -233,22 +233,22 @@ static bool any_full(const struct halo *halo)
     return false;
 }
 
-enum status halo_cut(struct halo *halo, struct team *team, struct particles *p, struct contact_list *pairs)
+enum status halo_cut(struct halo *halo, struct thread_team *team, struct particles *p, struct contact_list *pairs)
 {
-    const uint32_t stride = RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->single);
+    const uint32_t stride = RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->mixed);
     struct cut cut = {halo, p, pairs, stride, stride * (uint32_t)particles_padding(p), false};
     halo->n_blocks = 1;
     if (pairs->count == 0 || pairs->slots.n_spans != halo->n_parts || halo->blocks_max == 1)
         return STATUS_OK;
     halo->n_blocks = halo->blocks_max;
-    team_run(team, halo->n_blocks, find_copies, &cut);
+    thread_team_run(team, halo->n_blocks, find_copies, &cut);
     const int rows = place_copies(halo, p->n_padded);
     cut.undo = any_full(halo) || halo->n_copies > p->count;
     if (!cut.undo) {
         TRY(particles_reserve_rows(p, rows));
         TRY(sort_copies(halo));
     }
-    team_run(team, halo->n_blocks, set_rows, &cut);
+    thread_team_run(team, halo->n_blocks, set_rows, &cut);
     halo->n_blocks = cut.undo ? 1 : halo->n_blocks;
     return STATUS_OK;
 }

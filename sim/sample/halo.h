@@ -8,7 +8,7 @@
 
 #include <stdatomic.h>
 
-#include "sim/base/team.h"
+#include "sim/base/thread_team.h"
 #include "sim/contacts/contact_list.h"
 
 struct halo_block {
@@ -45,7 +45,7 @@ void halo_free(struct halo *halo);
 
 /* For a list of pairs that has just been closed: finds copies and lets slots point at them. The team may be NULL.
  * Errors: STATUS_NO_MEMORY. */
-enum status halo_cut(struct halo *halo, struct team *team, struct particles *particles,
+enum status halo_cut(struct halo *halo, struct thread_team *team, struct particles *particles,
                      struct contact_list *pairs) MUST_USE;
 
 /* The copies of block b are brought up to date; the sums of all copies of the particles of part q are added up. */

@@ -43,7 +43,7 @@ static enum status set_model(struct sample *sample, const struct scene *scene)
         sample->gravity[c] = scene->gravity_m_per_s2.value[sample_axis(sample, c)];
     TRY(instruction_set_select(&sample->isa));
     sample->kernels = kernels_select(sample->isa, &model);
-    TRY(particles_init(&sample->particles, (int)scene->sample.count, dimension, model.frictional, model.single));
+    TRY(particles_init(&sample->particles, (int)scene->sample.count, dimension, model.frictional, model.mixed));
     sample->pairs.model = model;
     name_walls(sample);
     return STATUS_OK;
@@ -149,7 +149,7 @@ void sample_kernel_set(const struct sample *sample, char *text, size_t size)
              model->rolling      ? "rolling"
              : model->frictional ? "frictional"
                                  : "frictionless",
-             model->single ? " mixed" : "");
+             model->mixed ? " mixed" : "");
 }
 
 /* FNV-1a */

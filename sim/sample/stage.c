@@ -85,8 +85,8 @@ static void set_spring(struct contact_list *list, int c, int rest, int k, double
 {
     const double unit =
         history_field(c)->force ? list->slots.force_unit : 1; /* in which the slots have it as a float */
-    list->history[c][k] = list->model.single ? unit * (float)(now / unit) : now;
-    if (list->model.single)
+    list->history[c][k] = list->model.mixed ? unit * (float)(now / unit) : now;
+    if (list->model.mixed)
         list->history[rest][k] = now - list->history[c][k];
 }
 

@@ -17,10 +17,10 @@ enum status threads_init(struct threads *threads, const struct particles *p, int
     if (p->count < PARTICLES_LARGE_SAMPLE)
         return STATUS_OK;
     threads->n_parts = (p->count + SPAN_WIDTH - 1) / SPAN_WIDTH;
-    const int n = wanted > TEAM_MAX ? TEAM_MAX : wanted > 0 ? (int)wanted : team_cpus();
+    const int n = wanted > TEAM_MAX ? TEAM_MAX : wanted > 0 ? (int)wanted : thread_team_cpus();
     threads->n = n < threads->n_parts ? n : threads->n_parts;
     threads->choice = thread_choice_of(threads->n);
-    TRY(team_create(&threads->team, threads->n));
+    TRY(thread_team_create(&threads->team, threads->n));
     TRY(halo_init(&threads->halo, threads->n_parts));
     threads->losses = calloc((size_t)threads->halo.blocks_max, sizeof *threads->losses);
     threads->part = calloc((size_t)threads->n_parts, sizeof *threads->part);
@@ -29,7 +29,7 @@ enum status threads_init(struct threads *threads, const struct particles *p, int
 
 void threads_free(struct threads *threads)
 {
-    team_free(threads->team);
+    thread_team_free(threads->team);
     halo_free(&threads->halo);
     free(threads->losses);
     free(threads->part);
@@ -172,13 +172,13 @@ static void go_through_all(struct work *work, struct contact_losses *losses)
         work->kernels->pair(work->particles, work->pairs, 0, work->pairs->slots.n_spans, work->law, work->dt_s,
                             work->particles->force, losses);
         if (work->sweep)
-            team_run(work->threads->team, work->threads->n_parts, advance_part, work);
+            thread_team_run(work->threads->team, work->threads->n_parts, advance_part, work);
         return;
     }
-    work->members = team_in_use(work->threads->team);
-    team_run(work->threads->team, halo->n_blocks, go_through_block, work);
+    work->members = thread_team_in_use(work->threads->team);
+    thread_team_run(work->threads->team, halo->n_blocks, go_through_block, work);
     if (work->members > 1)
-        team_run(work->threads->team, work->threads->n_parts, complete_late_part, work);
+        thread_team_run(work->threads->team, work->threads->n_parts, complete_late_part, work);
     for (int b = 0; b < halo->n_blocks; b++)
         contact_losses_add(losses, &work->threads->losses[b]);
 }
@@ -205,9 +205,9 @@ struct wall_work {
     struct threads_piece *piece;
 };
 
-static void *skip(void *array, size_t count, bool single)
+static void *skip(void *array, size_t count, bool mixed)
 {
-    return array ? (char *)array + count * (single ? sizeof(float) : sizeof(double)) : NULL;
+    return array ? (char *)array + count * (mixed ? sizeof(float) : sizeof(double)) : NULL;
 }
 
 /* The same wall with the contacts of its k-th piece alone. */
@@ -217,15 +217,15 @@ static struct wall piece_of(const struct wall *wall, int k)
     struct contact_slots *slots = &piece.contacts.slots;
     const int rest = wall->contacts.n_sets - k * THREADS_PIECE_SETS;
     const size_t first = (size_t)k * THREADS_PIECE_SETS * SET_WIDTH;
-    const bool single = wall->contacts.model.single;
+    const bool mixed = wall->contacts.model.mixed;
     piece.contacts.n_sets = rest < THREADS_PIECE_SETS ? rest : THREADS_PIECE_SETS;
     slots->partner += first;
     slots->gap = skip(slots->gap, first, true);
-    slots->reach = skip(slots->reach, first, single);
+    slots->reach = skip(slots->reach, first, mixed);
     for (int c = 0; c < PAIR_CONSTANTS; c++)
-        slots->pair[c] = skip(slots->pair[c], first, single);
+        slots->pair[c] = skip(slots->pair[c], first, mixed);
     for (int c = 0; c < HISTORY_COLUMNS; c++)
-        slots->history[c] = skip(slots->history[c], first, single);
+        slots->history[c] = skip(slots->history[c], first, mixed);
     return piece;
 }
 
@@ -264,7 +264,8 @@ void threads_walls(struct threads *threads, const struct kernels *kernels, struc
     for (int w = 0, n; w < n_walls && threads->n_parts > 1; w += n) {
         n = w % 2 == 0 && w + 1 < n_walls && threads->apart[w / 2] ? 2 : 1;
         struct wall_work work = {kernels, p, &walls[w], n, &law_of_axis[w / 2], dt_s, threads->piece};
-        team_run(threads->team, pieces_of(&walls[w]) + (n > 1 ? pieces_of(&walls[w + 1]) : 0), go_along_wall, &work);
+        thread_team_run(threads->team, pieces_of(&walls[w]) + (n > 1 ? pieces_of(&walls[w + 1]) : 0), go_along_wall,
+                        &work);
         const struct threads_piece *piece = threads->piece;
         for (int k = 0; k < n; k++)
             piece = add_pieces(piece, &walls[w + k], losses);
@@ -299,7 +300,7 @@ bool threads_drift(struct threads *threads, const struct kernels *kernels, struc
     struct drift_work work = {threads, kernels, p, dt_s, before_s, reach_m};
     if (threads->n_parts == 1)
         return kernels->drift(p, dt_s, before_s, reach_m);
-    team_run(threads->team, threads->n_parts, drift_part, &work);
+    thread_team_run(threads->team, threads->n_parts, drift_part, &work);
     return any_far(threads);
 }
 
@@ -331,7 +332,7 @@ double threads_kick(struct threads *threads, const struct kernels *kernels, stru
     struct kick_work work = {threads, kernels, p, constants};
     if (threads->n_parts == 1)
         return kernels->kick(p, constants);
-    team_run(threads->team, threads->n_parts, kick_part, &work);
+    thread_team_run(threads->team, threads->n_parts, kick_part, &work);
     return sum_power(threads);
 }
 
@@ -348,6 +349,6 @@ bool threads_sweep(struct threads *threads, const struct kernels *kernels, struc
     go_through_all(&work, losses);
     *background_w = sum_power(threads);
     thread_choice_step(&threads->choice, now_s() - start);
-    team_use(threads->team, threads->choice.use);
+    thread_team_use(threads->team, threads->choice.use);
     return any_far(threads);
 }

@@ -3,7 +3,7 @@
 #ifndef SHAKEDOWN_SIM_SAMPLE_THREADS_H
 #define SHAKEDOWN_SIM_SAMPLE_THREADS_H
 
-#include "sim/base/team.h"
+#include "sim/base/thread_team.h"
 #include "sim/kernels/kernels.h"
 #include "sim/sample/halo.h"
 #include "sim/sample/thread_choice.h"
@@ -27,7 +27,7 @@ struct threads_piece {
 struct threads {
     int n;                       /* threads, at most */
     struct thread_choice choice; /* how many of them */
-    struct team *team;           /* NULL: a small sample */
+    struct thread_team *team;    /* NULL: a small sample */
     int n_parts;                 /* of the particles; 1: a small sample, in one go */
     struct threads_part *part;   /* [n_parts] */
     struct halo halo;

@@ -81,7 +81,7 @@ static enum status check_integers(const struct sample *sample)
 {
     const struct particles *p = &sample->particles;
     const double holds = sample->verlet.skin / sample->dt;
-    for (int c = 0; p->single && c < p->dimension; c++)
+    for (int c = 0; p->mixed && c < p->dimension; c++)
         for (int i = 0; i < p->count; i++)
             if (!(fabs(p->v[c][i]) <= holds))
                 return status_fail(STATUS_LIMIT,

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "common/wall_motion.h"
+#include "common/wall_dynamics.h"
 
 double walls_driving_force_n(const struct wall_trajectory *path, int w, double tau_s)
 {

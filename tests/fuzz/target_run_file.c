@@ -6,7 +6,7 @@
 #include "analyzer/run_file.h"
 #include "fuzz.h"
 #include "hdf5_mutation.h"
-#include "recorder/convert.h"
+#include "recorder/log_conversion.h"
 #include "recorder/run_frames.h"
 #include "test_recorder_synthetic.h"
 
@@ -49,7 +49,7 @@ static struct image image_make(void)
 {
     struct synthetic_options options = synthetic_default;
     struct synthetic_run run;
-    struct recording *recording;
+    struct record_receiver *recording;
     enum recording_answer answer;
     char directory[64], path[128];
     options.frictional = true;
@@ -57,12 +57,13 @@ static struct image image_make(void)
     options.n_samples = 8;
     synthetic_create(&run, &options);
     synthetic_directory(directory);
-    const struct recording_options how = {.directory = directory, .any_run = true, .from_log = true};
-    must(recording_create(&recording, &how));
+    const struct record_receiver_options how = {.directory = directory, .any_run = true, .from_log = true};
+    must(record_receiver_create(&recording, &how));
     for (size_t k = 0; k < run.count; k++)
-        must(recording_take(recording, run.messages[k].kind, run.messages[k].data, run.messages[k].size, &answer));
-    must(recording_finish(recording));
-    recording_free(recording);
+        must(
+            record_receiver_take(recording, run.messages[k].kind, run.messages[k].data, run.messages[k].size, &answer));
+    must(record_receiver_finish(recording));
+    record_receiver_free(recording);
     snprintf(path, sizeof path, "%s/run.h5", directory);
     struct image image = image_read(path);
     synthetic_directory_remove(directory);
