@@ -88,7 +88,7 @@ case_pictures() {
         [ "$count" -gt 150 ] && [ "$count" -lt 400 ] || fail "$count contacts of 100 particles"
     done
     sed -i 's|scenes/quick.cfg|scenes/triaxial_quick.cfg|; /^set/,/];/d; /prepare/d; /vary/d; /paper/d; /figures/,$d; s/seeds = 2/seeds = 1/' small.cfg
-    echo 'set = [ "sample.count=64", "stages.0.duration_s=0.02", "stages.0.until_stress_error=0.0", "stages.1.duration_s=0.02", "stages.2.duration_s=0.02" ];' >>small.cfg
+    echo 'set = [ "sample.count=64", "stages.0.duration_s=0.02", "stages.0.until_stress_error=0.0", "stages.1.duration_s=0.02", "stages.2.duration_s=0.02", "stages.2.cut_path=true" ];' >>small.cfg
     study third.out --out s3 --pictures || fail "exit code $?"
     if command -v povray >/dev/null; then
         [ "$(stat -c %s s3/pictures/seed1-end-spheres.png)" -gt 3000 ] || fail "no spheres"
