@@ -13,7 +13,7 @@
 #include "common/record_hash.h"
 #include "common/scene_file.h"
 #include "recorder/backlog.h"
-#include "recorder/out_of_order.h"
+#include "recorder/early_records.h"
 #include "recorder/wall_order.h"
 
 enum { WARNINGS_MAX = 5 };
@@ -36,7 +36,7 @@ struct record_receiver {
     struct contact_frame contact_frame;
     struct wall_order walls;
     int64_t wall_total[2]; /* states, commands */
-    struct out_of_order early;
+    struct early_records early;
     struct backlog backlog; /* wall messages before RUN_INFO says whether they are wanted */
     shakedown_end_t *end;   /* the last END, whether it matched or not */
     bool end_matches, finished, complete;
@@ -419,7 +419,7 @@ static void take_early(struct record_receiver *recording, int kind, const union 
 {
     recording->drops.early++;
     if (!recording->from_log && !recording->replaying) /* what a log lacks never comes */
-        out_of_order_keep(&recording->early, kind, message->header.seq, data, size);
+        early_records_keep(&recording->early, kind, message->header.seq, data, size);
 }
 
 /* A record of this run that is next on its channel. */
@@ -471,7 +471,7 @@ static enum status early_try(struct record_receiver *recording, int k, bool *tak
         if (!*taken)
             return STATUS_OK;
     }
-    free(out_of_order_take(&recording->early, k));
+    free(early_records_take(&recording->early, k));
     return STATUS_OK;
 }
 
@@ -561,7 +561,7 @@ void record_receiver_publish(struct record_receiver *recording)
 
 void record_receiver_ack(const struct record_receiver *recording, struct record_receiver_ack *ack)
 {
-    const struct out_of_order *early = &recording->early;
+    const struct early_records *early = &recording->early;
     memcpy(ack->next_seq, recording->next_seq, sizeof ack->next_seq);
     for (int k = 0; k < early->count; k++) {
         ack->held_channel[k] = early->record[k]->kind;
@@ -670,7 +670,7 @@ void record_receiver_free(struct record_receiver *recording)
     if (!recording)
         return;
     run_store_free(recording->store);
-    out_of_order_free(&recording->early);
+    early_records_free(&recording->early);
     backlog_free(&recording->backlog);
     particle_set_free(&recording->particles);
     particle_frame_free(&recording->particle_frame);

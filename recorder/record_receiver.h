@@ -4,7 +4,7 @@
 #define SHAKEDOWN_RECORDER_RECORD_RECEIVER_H
 
 #include "common/message.h"
-#include "recorder/out_of_order.h"
+#include "recorder/early_records.h"
 #include "recorder/run_store.h"
 
 struct record_receiver;

@@ -7,7 +7,7 @@
 
 #include "sim/measure/at_rest.h"
 #include "sim/measure/measure.h"
-#include "sim/measure/stage_watch.h"
+#include "sim/measure/stability_watch.h"
 #include "sim/measure/step_limit.h"
 #include "sim/measure/strain_limit.h"
 #include "sim/sample/step_completion.h"
@@ -133,7 +133,7 @@ static void a_strain_leaves_room(void **unused)
 static void the_watch_sees_walls_that_leave_and_a_box_that_drifts(void **unused)
 {
     struct fixture_options options = {.dimension = 2, .count = 1, .dt_s = 1e-6, .material = "kn_n_per_m = 1e5;"};
-    struct stage_watch watch;
+    struct stability_watch watch;
     (void)unused;
     struct fixture fixture = fixture_open(&options);
     struct sample *sample = fixture.sample;
@@ -143,16 +143,16 @@ static void the_watch_sees_walls_that_leave_and_a_box_that_drifts(void **unused)
     axis[AXIS_Z].mode = WALL_STRAIN;
     axis[AXIS_X].mode = WALL_STRESS;
     axis[AXIS_X].opposite = OPPOSITE_CONSTANT;
-    stage_watch_start(&watch);
-    must(stage_watch_look(&watch, sample));
+    stability_watch_start(&watch);
+    must(stability_watch_look(&watch, sample));
     assert_true(watch.left[1] == 0 && watch.drift[0] == 0); /* not touched so far */
     sample->walls[2].touching = 1;
-    must(stage_watch_look(&watch, sample));
+    must(stability_watch_look(&watch, sample));
     sample->walls[2].touching = 0;
     sample->walls[0].x += 0.1 * length;
     sample->walls[1].x += 0.1 * length;
-    must(stage_watch_look(&watch, sample));
-    must(stage_watch_look(&watch, sample));
+    must(stability_watch_look(&watch, sample));
+    must(stability_watch_look(&watch, sample));
     assert_true(watch.left[1] == 2 && watch.left[0] == 0);
     assert_true(fabs(watch.drift[0] - 0.1) < 1e-12 && watch.drift[1] == 0);
     fixture_close(&fixture);

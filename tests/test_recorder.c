@@ -662,7 +662,7 @@ static void test_walls_before_run_info_and_repeated(void **state)
 }
 
 /* Commands may come before their states; nothing is lost, and copies of one that waits are copies. */
-static void test_walls_out_of_order(void **state)
+static void test_walls_early_records(void **state)
 {
     struct bench bench;
     (void)state;
@@ -991,7 +991,7 @@ int main(void)
         cmocka_unit_test(test_misfits),
         cmocka_unit_test(test_never_complete),
         cmocka_unit_test(test_walls_before_run_info_and_repeated),
-        cmocka_unit_test(test_walls_out_of_order),
+        cmocka_unit_test(test_walls_early_records),
         cmocka_unit_test(test_walls_lost_and_sent_again),
         cmocka_unit_test(test_walls_with_strange_numbers),
         cmocka_unit_test(test_walls_not_wanted),

@@ -74,7 +74,7 @@ static const struct entry members[] = {
     VALUES(OF_PROGRESS, run_progress, record_hash, I64, RECORD_CHANNELS),
     PROGRESS(log_bytes, I64),
     PROGRESS(elapsed_s, F64),
-    VALUES(OF_PROGRESS, run_progress, watch, F64, sizeof(struct stage_watch) / sizeof(double)),
+    VALUES(OF_PROGRESS, run_progress, watch, F64, sizeof(struct stability_watch) / sizeof(double)),
     PROGRESS(doubts, I64),
     PROGRESS(has_command, I32),
     PROGRESS(command.step, I64),

@@ -79,10 +79,10 @@ enum status run_judge_before(struct run *run)
 
 static enum status note_places(struct run *run)
 {
-    struct stage_watch *watch = &run->judge.watch;
+    struct stability_watch *watch = &run->judge.watch;
     for (int c = 0; c < run->sample->particles.dimension; c++) {
         const char name = "xyz"[sample_axis(run->sample, c)];
-        if (watch->left[c] > STAGE_WATCH_ALONE_MAX && !(watch->left_noted[c] > 0)) {
+        if (watch->left[c] > STABILITY_WATCH_ALONE_MAX && !(watch->left_noted[c] > 0)) {
             watch->left_noted[c] = 1;
             TRY(add_note(run, NOTE_PLAIN,
                          "the walls in %c touch nothing any more (step %lld): their strain leads them away", name,
@@ -119,8 +119,8 @@ static enum status note_extremes(struct run *run)
 
 enum status run_judge_stage_start(struct run *run)
 {
-    struct stage_watch *watch = &run->judge.watch;
-    stage_watch_start(watch);
+    struct stability_watch *watch = &run->judge.watch;
+    stability_watch_start(watch);
     if (run->options->replay)
         return STATUS_OK;
     TRY(strain_limit_check(run->sample, run->sample->stage)); /* the box was not known before */
@@ -138,16 +138,16 @@ enum status run_judge_stage_start(struct run *run)
 
 enum status run_judge_step(struct run *run)
 {
-    if (run->sample->stage_step % STAGE_WATCH_STEPS != 0 || run->options->replay)
+    if (run->sample->stage_step % STABILITY_WATCH_STEPS != 0 || run->options->replay)
         return STATUS_OK;
-    TRY(stage_watch_look(&run->judge.watch, run->sample));
+    TRY(stability_watch_look(&run->judge.watch, run->sample));
     return note_extremes(run);
 }
 
 /* "; stress x 500 N/m^2 within 0.1 % (mean), 0.4 % (largest)" of each axis. */
 static void stress_text(const struct run *run, char *text, size_t size)
 {
-    const struct stage_watch *watch = &run->judge.watch;
+    const struct stability_watch *watch = &run->judge.watch;
     size_t used = 0;
     text[0] = '\0';
     for (int c = 0; c < run->sample->particles.dimension && watch->error_looks > 0; c++) {
@@ -201,11 +201,11 @@ enum status run_judge_stage_end(struct run *run, int ended)
     if (run->options->replay)
         return STATUS_OK;
     const struct complete_sample whole = sample_complete(run->sample);
-    TRY(stage_watch_look(&run->judge.watch, run->sample));
+    TRY(stability_watch_look(&run->judge.watch, run->sample));
     TRY(note_extremes(run));
     TRY(measure(whole, &m));
     stress_text(run, stress, sizeof stress);
-    const struct stage_watch *watch = &run->judge.watch;
+    const struct stability_watch *watch = &run->judge.watch;
     const double held_start_j = run->sample->ledger.elastic_start, held_j = energy_held(whole).elastic_j;
     if (held_j < LOOSE * held_start_j)
         TRY(add_note(run, NOTE_PLAIN,

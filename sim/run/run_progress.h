@@ -3,7 +3,7 @@
 
 #include "common/bus.h"
 #include "common/coupling.h"
-#include "sim/measure/stage_watch.h"
+#include "sim/measure/stability_watch.h"
 
 /* Where a run stands, beside the state of the sample. */
 struct run_progress {
@@ -19,7 +19,7 @@ struct run_progress {
     int64_t record_hash[RECORD_CHANNELS];  /* of these (common/record_hash.h) */
     int64_t log_bytes;                     /* length of the event log that sim writes itself; 0: none */
     double elapsed_s;
-    struct stage_watch watch;
+    struct stability_watch watch;
     int64_t doubts;  /* notes that make the run doubtful */
     int has_command; /* the command for the current step was asked for ahead: this one */
     struct wall_command command;

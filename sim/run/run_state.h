@@ -3,7 +3,7 @@
 #define SHAKEDOWN_SIM_RUN_RUN_STATE_H
 
 #include "common/record_sender.h"
-#include "sim/measure/stage_watch.h"
+#include "sim/measure/stability_watch.h"
 #include "sim/measure/time_remaining.h"
 #include "sim/run/exchange.h"
 #include "sim/run/records.h"
@@ -18,8 +18,8 @@ struct run_energies {
 };
 
 struct run_judge {
-    struct stage_watch watch; /* of the stage */
-    int64_t doubts;           /* notes so far that make the run doubtful */
+    struct stability_watch watch; /* of the stage */
+    int64_t doubts;               /* notes so far that make the run doubtful */
     char first_doubt[768];
 };
 

@@ -1,14 +1,14 @@
 /* What is looked at while a stage runs, on a schedule of its own in steps: what is recorded changes nothing here. */
-#ifndef SHAKEDOWN_SIM_MEASURE_STAGE_WATCH_H
-#define SHAKEDOWN_SIM_MEASURE_STAGE_WATCH_H
+#ifndef SHAKEDOWN_SIM_MEASURE_STABILITY_WATCH_H
+#define SHAKEDOWN_SIM_MEASURE_STABILITY_WATCH_H
 
 #include "sim/measure/overlaps.h"
 #include "sim/sample/sample.h"
 
-enum { STAGE_WATCH_STEPS = 256 };
+enum { STABILITY_WATCH_STEPS = 256 };
 
 /* All doubles, so that a checkpoint keeps it as a row of them. */
-struct stage_watch {
+struct stability_watch {
     double looks;
     double overlap_ratio, overlap_step; /* the largest, and where it was */
     double fastest_ratio;               /* largest overlaps_of_fastest */
@@ -23,14 +23,14 @@ struct stage_watch {
 };
 
 /* Forgets all: a stage begins. */
-void stage_watch_start(struct stage_watch *watch);
+void stability_watch_start(struct stability_watch *watch);
 
 /* Looks in a row at a wall without contacts that are too many: one may fall between two contacts. */
-enum { STAGE_WATCH_ALONE_MAX = 4 };
+enum { STABILITY_WATCH_ALONE_MAX = 4 };
 
 /* A look at the sample as it is; its last step need not be complete. STATUS_UNSTABLE, with what was seen, when the
  * model does not hold any more: an overlap beyond limits.overlap_ratio, a wall that pulls on nothing, a box that has
  * grown beyond all of it. */
-enum status stage_watch_look(struct stage_watch *watch, struct sample *sample) MUST_USE;
+enum status stability_watch_look(struct stability_watch *watch, struct sample *sample) MUST_USE;
 
 #endif

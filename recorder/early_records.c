@@ -1,9 +1,9 @@
-#include "recorder/out_of_order.h"
+#include "recorder/early_records.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-void out_of_order_keep(struct out_of_order *early, int kind, int64_t seq, const void *data, size_t size)
+void early_records_keep(struct early_records *early, int kind, int64_t seq, const void *data, size_t size)
 {
     for (int k = 0; k < early->count; k++) {
         if (early->record[k]->kind == kind && early->record[k]->seq == seq)
@@ -20,7 +20,7 @@ void out_of_order_keep(struct out_of_order *early, int kind, int64_t seq, const 
     early->bytes += size;
 }
 
-struct early_record *out_of_order_take(struct out_of_order *early, int k)
+struct early_record *early_records_take(struct early_records *early, int k)
 {
     struct early_record *record = early->record[k];
     early->count--;
@@ -29,8 +29,8 @@ struct early_record *out_of_order_take(struct out_of_order *early, int k)
     return record;
 }
 
-void out_of_order_free(struct out_of_order *early)
+void early_records_free(struct early_records *early)
 {
     while (early->count > 0)
-        free(out_of_order_take(early, early->count - 1));
+        free(early_records_take(early, early->count - 1));
 }

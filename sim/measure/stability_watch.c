@@ -1,4 +1,4 @@
-#include "sim/measure/stage_watch.h"
+#include "sim/measure/stability_watch.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,12 +10,12 @@
  * that would stop it; of walls that pull, and of others, which may start with fast particles. */
 static const double PULLED = 2, GROWN = 4;
 
-void stage_watch_start(struct stage_watch *watch)
+void stability_watch_start(struct stability_watch *watch)
 {
-    *watch = (struct stage_watch){0};
+    *watch = (struct stability_watch){0};
 }
 
-static enum status overlap_look(struct stage_watch *watch, struct sample *sample)
+static enum status overlap_look(struct stability_watch *watch, struct sample *sample)
 {
     const struct largest_overlap now = overlaps_largest(sample);
     const double limit = sample->scene->stage[sample->stage].limits.overlap_ratio;
@@ -48,7 +48,7 @@ static double controlled_stress_pa(const struct sample *sample, const struct sce
     return (axis->opposite == OPPOSITE_MIRROR ? 0.5 * (lo + hi) : hi) / area;
 }
 
-static void stress_look(struct stage_watch *watch, const struct sample *sample)
+static void stress_look(struct stability_watch *watch, const struct sample *sample)
 {
     const struct scene_stage *stage = &sample->scene->stage[sample->stage];
     const double t = (double)sample->stage_step * sample->dt;
@@ -83,7 +83,7 @@ static enum status opened(const struct sample *sample, int c, const char *why)
 }
 
 /* Walls under stress control that have nothing to hold them. */
-static enum status opening_look(struct stage_watch *watch, const struct sample *sample)
+static enum status opening_look(struct stability_watch *watch, const struct sample *sample)
 {
     const struct scene_stage *stage = &sample->scene->stage[sample->stage];
     const double t = (double)sample->stage_step * sample->dt;
@@ -95,7 +95,7 @@ static enum status opening_look(struct stage_watch *watch, const struct sample *
         const bool pulls = wall_target_pressure_pa(axis, t) < 0;
         const bool alone = pulls && !touches(sample, c);
         watch->pulled_on_nothing[c] = alone ? watch->pulled_on_nothing[c] + 1 : 0;
-        if (watch->pulled_on_nothing[c] > STAGE_WATCH_ALONE_MAX)
+        if (watch->pulled_on_nothing[c] > STABILITY_WATCH_ALONE_MAX)
             return opened(sample, c, "pull (pressure_pa is negative) and touch nothing");
         if (sample_box_length_m(sample, c) > (pulls ? PULLED : GROWN) * start)
             return opened(sample, c,
@@ -106,7 +106,7 @@ static enum status opening_look(struct stage_watch *watch, const struct sample *
 }
 
 /* Walls that strains lead away from the sample; walls that both follow pressures, which may carry it off. */
-static void place_look(struct stage_watch *watch, const struct sample *sample)
+static void place_look(struct stability_watch *watch, const struct sample *sample)
 {
     const double *start = sample->stage_position_m;
     for (int c = 0; c < sample->particles.dimension; c++) {
@@ -121,7 +121,7 @@ static void place_look(struct stage_watch *watch, const struct sample *sample)
     }
 }
 
-enum status stage_watch_look(struct stage_watch *watch, struct sample *sample)
+enum status stability_watch_look(struct stability_watch *watch, struct sample *sample)
 {
     const double inertial = measure_inertial_number(sample);
     watch->looks++;

@@ -1,6 +1,6 @@
 /* Records that came before one that is missing, kept until it is their turn. */
-#ifndef SHAKEDOWN_RECORDER_OUT_OF_ORDER_H
-#define SHAKEDOWN_RECORDER_OUT_OF_ORDER_H
+#ifndef SHAKEDOWN_RECORDER_EARLY_RECORDS_H
+#define SHAKEDOWN_RECORDER_EARLY_RECORDS_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -16,7 +16,7 @@ struct early_record {
     unsigned char data[];
 };
 
-struct out_of_order {
+struct early_records {
     struct early_record *record[EARLY_MAX]; /* [count], in the order in which they came */
     int count;
     size_t bytes;
@@ -24,10 +24,10 @@ struct out_of_order {
 
 /* Keeps a copy, unless it is there already; without room or memory the sender has to send it again. `early` starts as
  * zero. */
-void out_of_order_keep(struct out_of_order *early, int kind, int64_t seq, const void *data, size_t size);
+void early_records_keep(struct early_records *early, int kind, int64_t seq, const void *data, size_t size);
 
 /* Takes number `k` out; the caller frees it. */
-struct early_record *out_of_order_take(struct out_of_order *early, int k);
-void out_of_order_free(struct out_of_order *early);
+struct early_record *early_records_take(struct early_records *early, int k);
+void early_records_free(struct early_records *early);
 
 #endif
