@@ -398,10 +398,12 @@ static void what_the_recorder_alone_has_lost_comes_again(void **state)
     (void)state;
     run_with(&live, "lossy", every_step);
     assert_int_equal(relay.lost, 2 * (2500 / LOSE_EVERY + 1)); /* of 2501 exchanges */
-    /* END is made before the last two come again. On a busy machine sim repeats states to the controller as well: each
-     * such copy, and its answer, may be one that the recorder lacked. */
+    /* END counts what came again before it was made. An exchange takes 20 to 50 us, 250 of them about as long as sim
+     * waits at least for an acknowledgement (10 ms): the last three states and commands may come again after END. On a
+     * busy machine sim repeats states to the controller as well: each such copy, and its answer, may be one that the
+     * recorder lacked. */
     const struct log_end end = end_of("lossy");
-    assert_true(end.records_repeated + 2 * end.repeated >= relay.lost - 2);
+    assert_true(end.records_repeated + 2 * end.repeated >= relay.lost - 2 * 3);
     same_run("one", "lossy");
     expect_replay(sim_path, "lossy", "run.lcm", every_step, 0, "2501 wall states equal, 2501 commands");
 }
