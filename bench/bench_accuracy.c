@@ -204,6 +204,7 @@ static void set_stage(const struct accuracy_case *at, struct scene *scene)
     struct scene_stage *stage = &scene->stage[0];
     if (at->duration_s > 0)
         stage->duration_s = at->duration_s;
+    stage->cut_path = true; /* a piece of the test */
     stage->sample_interval_s = at->sample_interval_s;
     stage->frame_interval_s = 0;
     stage->frame_strains.count = 0;

@@ -62,6 +62,7 @@ static void set_stage(struct coupling_work *work)
     struct scene_stage *stage = &work->scene->stage[0];
     if (work->at->duration_s > 0)
         stage->duration_s = work->at->duration_s;
+    stage->cut_path = true; /* of a path a piece is timed */
     stage->frame_interval_s = 0;
     stage->frame_strains.count = 0;
     work->scene->coupling.scheme = SCHEME_HOLD;

@@ -228,6 +228,7 @@ static enum status write_our_scene(struct timing *timing, bool linear)
     if (!scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
     struct scene_stage *stage = &scene->stage[0];
+    stage->cut_path = true; /* a piece of the test */
     stage->duration_s = (double)timing->work->at->our_steps * stage->dt_s;
     stage->sample_interval_s = stage->duration_s;
     stage->frame_interval_s = 0;
