@@ -1,5 +1,7 @@
 #include "analyzer/stress_path.h"
 
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -95,13 +97,13 @@ static void path_free(struct path *path)
     free(path->eps);
 }
 
-/* Weighted least squares of y over {1, x, max(0, x - b)}: normal equations of three, by elimination. Returns the sum of
- * squares that is left; INFINITY if the three are not independent. */
+/* Weighted least squares of y over {1, x, max(0, x - b)}, by normal equations. Returns the sum of squares that is left;
+ * INFINITY if the three are not independent. GSL's error handler is off. */
 static double bilinear_at(const struct points *points, const double *y, size_t skip_begin, size_t skip_end, double b,
                           double c[3])
 {
     enum { M = 3 };
-    double a[M][M + 1] = {{0}}, sum = 0;
+    double a[M * M] = {0}, right[M] = {0}, sum = 0;
     const double x0 = points->x[0];
     for (size_t k = 0; k < points->n; k++) {
         if (k >= skip_begin && k < skip_end)
@@ -109,23 +111,16 @@ static double bilinear_at(const struct points *points, const double *y, size_t s
         const double basis[M] = {1, points->x[k] - x0, fmax(0, points->x[k] - b)};
         for (int i = 0; i < M; i++) {
             for (int j = 0; j < M; j++)
-                a[i][j] += points->w[k] * basis[i] * basis[j];
-            a[i][M] += points->w[k] * basis[i] * y[k];
+                a[M * i + j] += points->w[k] * basis[i] * basis[j];
+            right[i] += points->w[k] * basis[i] * y[k];
         }
     }
-    for (int i = 0; i < M; i++) {
-        if (!(a[i][i] > 0))
-            return INFINITY;
-        for (int r = i + 1; r < M; r++)
-            for (int j = M; j >= i; j--)
-                a[r][j] -= a[r][i] / a[i][i] * a[i][j];
-    }
-    for (int i = M - 1; i >= 0; i--) {
-        c[i] = a[i][M];
-        for (int j = i + 1; j < M; j++)
-            c[i] -= a[i][j] * c[j];
-        c[i] /= a[i][i];
-    }
+    gsl_matrix_view matrix = gsl_matrix_view_array(a, M, M);
+    gsl_vector_const_view of = gsl_vector_const_view_array(right, M);
+    gsl_vector_view solution = gsl_vector_view_array(c, M);
+    if (gsl_linalg_cholesky_decomp1(&matrix.matrix) != 0 ||
+        gsl_linalg_cholesky_solve(&matrix.matrix, &of.vector, &solution.vector) != 0)
+        return INFINITY;
     for (size_t k = 0; k < points->n; k++) {
         const double x = points->x[k], off = y[k] - c[0] - c[1] * (x - x0) - c[2] * fmax(0, x - b);
         sum += k < skip_begin || k >= skip_end ? points->w[k] * off * off : 0;
@@ -141,6 +136,7 @@ bool stress_path_bilinear(const struct points *points, const double *y, size_t s
     double c[3], best = INFINITY, place = NAN;
     if (points->n - (skip_end - skip_begin) < POINTS_MIN)
         return false;
+    (void)gsl_set_error_handler_off(); /* failures are returned */
     const double first = points->x[0], span = points->x[points->n - 1] - first, step = 0.9 * span / GRID;
     for (int k = 0; k <= GRID; k++) {
         const double b = first + 0.05 * span + k * step;

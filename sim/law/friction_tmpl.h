@@ -83,7 +83,7 @@ struct NAME(two) {
     real first, second;
 };
 
-/* Two factors at once: single, with one division for both. */
+/* Two factors at once: mixed, with one division for both. */
 LANES_INLINE struct NAME(two) NAME(ratios)(real to, real square, real and_to, real and_square)
 {
 #if SINGLE
