@@ -451,7 +451,10 @@ enum status record_sender_service(struct record_sender *stream)
     for (int k = 0; handled && k < HANDLED_PER_SERVICE_MAX; k++)
         TRY(bus_handle(stream->bus, 0, &handled));
     if (stream->failed)
-        return status_fail(STATUS_IO, "the recorder of run %" PRId64 " cannot write its file (disk full?)",
+        return status_fail(STATUS_IO,
+                           "the recorder of run %" PRId64
+                           " has failed; what it says itself (in a folder of a run log/recorder.log) "
+                           "is why",
                            stream->run_id);
     late_land(stream);
     TRY(silence_check(stream));

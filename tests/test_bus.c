@@ -744,7 +744,7 @@ static void stream_keeps_its_window(void **unused)
     bus_close(&bus);
 }
 
-static void stream_hears_of_a_full_disk(void **unused)
+static void stream_hears_of_a_failed_recorder(void **unused)
 {
     struct recorder recorder = {.failed = true};
     struct record_sender *stream = NULL;
@@ -754,7 +754,7 @@ static void stream_hears_of_a_full_disk(void **unused)
     must(bus_open(&bus, NULL));
     must(record_sender_create(&stream, &bus, RUN, 60));
     assert_int_equal(run_publish(stream), STATUS_IO);
-    assert_non_null(strstr(status_message(), "disk full"));
+    assert_non_null(strstr(status_message(), "has failed; what it says itself"));
     assert_int_equal(record_publish(stream, RECORD_SAMPLE, 100), STATUS_IO); /* and it stays so */
     recorder_stop(&recorder);
     record_sender_free(stream);
@@ -920,7 +920,7 @@ int main(void)
         cmocka_unit_test(stream_gives_up),
         cmocka_unit_test(stream_gives_up_walls),
         cmocka_unit_test(stream_keeps_its_window),
-        cmocka_unit_test(stream_hears_of_a_full_disk),
+        cmocka_unit_test(stream_hears_of_a_failed_recorder),
         cmocka_unit_test(stream_believes_only_its_recorder),
         cmocka_unit_test(stream_checks_its_records),
         cmocka_unit_test(stream_into_a_log_waits_for_nobody),

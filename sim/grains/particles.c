@@ -326,6 +326,11 @@ void particles_export_positions(struct particles *p)
             p->x[c][i] = p->x_list[c][i] + p->quantum * ((double)p->view_u[c][i] + (double)p->u_rest[c][i]);
 }
 
+double particles_velocity(const struct particles *p, int c, int i)
+{
+    return p->mixed ? p->speed_unit * (double)((const float *)p->view_v[c])[i] : p->v[c][i];
+}
+
 double particles_moved2_m2(const struct particles *p, int i)
 {
     double moved2 = 0;

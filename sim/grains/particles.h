@@ -101,6 +101,10 @@ void particles_mark_listed(struct particles *particles, double skin_m);
 void particles_import_state(struct particles *particles);
 void particles_export_positions(struct particles *particles);
 
+/* Component c of the velocity of particle i in the last step [m/s], be it complete or not: that at its middle or end;
+ * mixed: as predicted for its end. */
+double particles_velocity(const struct particles *particles, int c, int i);
+
 /* Square of how far particle i is from where the lists were built [m^2]. */
 double particles_moved2_m2(const struct particles *particles, int i);
 

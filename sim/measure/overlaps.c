@@ -45,7 +45,7 @@ double overlaps_of_fastest(const struct sample *sample)
     for (int i = 0; i < p->count; i++) {
         double v2 = 0;
         for (int c = 0; c < p->dimension; c++)
-            v2 += p->v[c][i] * p->v[c][i];
+            v2 += particles_velocity(p, c, i) * particles_velocity(p, c, i);
         /* against one of its own kind that comes with the same speed: 2 v sqrt(m/2 / k) */
         largest = fmax(largest, 2 * v2 * p->mass[i] / (k * p->radius[i] * p->radius[i]));
     }

@@ -15,9 +15,10 @@ void stability_watch_start(struct stability_watch *watch)
     *watch = (struct stability_watch){0};
 }
 
-static enum status overlap_look(struct stability_watch *watch, struct sample *sample)
+enum status stability_watch_look_at_contacts(struct stability_watch *watch, struct sample *sample)
 {
     const struct largest_overlap now = overlaps_largest(sample);
+    watch->fastest_ratio = fmax(watch->fastest_ratio, overlaps_of_fastest(sample));
     const double limit = sample->scene->stage[sample->stage].limits.overlap_ratio;
     char other[32];
     if (now.ratio > watch->overlap_ratio) {
@@ -127,9 +128,8 @@ enum status stability_watch_look(struct stability_watch *watch, struct sample *s
     watch->looks++;
     watch->inertial_sum += inertial;
     watch->inertial_max = fmax(watch->inertial_max, inertial);
-    watch->fastest_ratio = fmax(watch->fastest_ratio, overlaps_of_fastest(sample));
     stress_look(watch, sample);
     place_look(watch, sample);
-    TRY(overlap_look(watch, sample));
+    TRY(stability_watch_look_at_contacts(watch, sample));
     return opening_look(watch, sample);
 }

@@ -33,4 +33,7 @@ enum { STABILITY_WATCH_ALONE_MAX = 4 };
  * grown beyond all of it. */
 enum status stability_watch_look(struct stability_watch *watch, struct sample *sample) MUST_USE;
 
+/* The part of it that looks at overlaps and at speeds, for samples so fast that contacts come and go between looks. */
+enum status stability_watch_look_at_contacts(struct stability_watch *watch, struct sample *sample) MUST_USE;
+
 #endif

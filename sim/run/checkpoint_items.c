@@ -75,6 +75,8 @@ static const struct entry members[] = {
     PROGRESS(log_bytes, I64),
     PROGRESS(elapsed_s, F64),
     VALUES(OF_PROGRESS, run_progress, watch, F64, sizeof(struct stability_watch) / sizeof(double)),
+    {"hurry_steps", OF_PROGRESS, I32, offsetof(struct run_progress, hurry_steps), IN_PLACE, 1, true},
+    {"passing_noted", OF_PROGRESS, I32, offsetof(struct run_progress, passing_noted), IN_PLACE, 1, true},
     PROGRESS(doubts, I64),
     PROGRESS(has_command, I32),
     PROGRESS(command.step, I64),

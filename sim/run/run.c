@@ -161,6 +161,7 @@ enum status run_scene(const struct scene *scene, const struct run_options *optio
     enum status status = run_records_open(&run);
     if (status == STATUS_OK)
         status = run_records_finish(&run, start_and_loop(&run));
+    passing_watch_free(&run.judge.passing);
     record_sender_free(run.stream);
     if (run.bus.lcm || run.bus.log)
         bus_close(&run.bus);

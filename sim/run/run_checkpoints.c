@@ -29,6 +29,8 @@ static struct run_progress progress_of(const struct run *run, bool answered)
                                     .last_sample_step = run->records.last_sample_step,
                                     .last_frame_step = run->records.last_frame_step,
                                     .watch = run->judge.watch,
+                                    .hurry_steps = run->judge.hurry_steps,
+                                    .passing_noted = run->judge.passing_noted,
                                     .doubts = run->judge.doubts,
                                     .elapsed_s = run->before.elapsed_s + clock_now_s() - run->start_s,
                                     .has_command = run->has_command};
@@ -124,6 +126,8 @@ void run_resume_progress(struct run *run)
     run->records.last_frame_step = before->last_frame_step;
     run->status_step = run->sample->step;
     run->judge.watch = before->watch;
+    run->judge.hurry_steps = before->hurry_steps;
+    run->judge.passing_noted = before->passing_noted != 0;
     run->judge.doubts = before->doubts;
     snprintf(run->judge.first_doubt, sizeof run->judge.first_doubt, "noted before the checkpoint");
     run->has_command = before->has_command != 0;

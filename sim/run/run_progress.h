@@ -20,8 +20,9 @@ struct run_progress {
     int64_t log_bytes;                     /* length of the event log that sim writes itself; 0: none */
     double elapsed_s;
     struct stability_watch watch;
-    int64_t doubts;  /* notes that make the run doubtful */
-    int has_command; /* the command for the current step was asked for ahead: this one */
+    int hurry_steps, passing_noted; /* of the judge */
+    int64_t doubts;                 /* notes that make the run doubtful */
+    int has_command;                /* the command for the current step was asked for ahead: this one */
     struct wall_command command;
 };
 

@@ -3,6 +3,7 @@
 #define SHAKEDOWN_SIM_RUN_RUN_STATE_H
 
 #include "common/record_sender.h"
+#include "sim/measure/passing_watch.h"
 #include "sim/measure/stability_watch.h"
 #include "sim/measure/time_remaining.h"
 #include "sim/run/exchange.h"
@@ -19,7 +20,10 @@ struct run_energies {
 
 struct run_judge {
     struct stability_watch watch; /* of the stage */
-    int64_t doubts;               /* notes so far that make the run doubtful */
+    struct passing_watch passing;
+    int hurry_steps;    /* particles are so fast that contacts are looked at every so many steps; 0: they are not */
+    bool passing_noted; /* in this stage */
+    int64_t doubts;     /* notes so far that make the run doubtful */
     char first_doubt[768];
 };
 

@@ -83,13 +83,13 @@ static enum status check_integers(const struct sample *sample)
     const double holds = sample->verlet.skin / sample->dt;
     for (int c = 0; p->mixed && c < p->dimension; c++)
         for (int i = 0; i < p->count; i++)
-            if (!(fabs(p->v[c][i]) <= holds))
+            if (!(fabs(particles_velocity(p, c, i)) <= holds))
                 return status_fail(STATUS_LIMIT,
                                    "step %lld (t = %g s): precision \"mixed\" holds steps of at most the skin of the "
                                    "lists, %.2g m; particle %d moves %.2g m in one. neighbor.skin_ratio = 0 (tuned) or "
                                    "a smaller dt_s would help, and so would precision \"double\"",
                                    (long long)sample->step, sample->time_s, sample->verlet.skin, p->id[i],
-                                   fabs(p->v[c][i]) * sample->dt);
+                                   fabs(particles_velocity(p, c, i)) * sample->dt);
     return STATUS_OK;
 }
 

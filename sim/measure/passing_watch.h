@@ -1,0 +1,34 @@
+/* Sees particles that pass through each other: pairs whose normal turns round while, or right after, they touch. */
+#ifndef SHAKEDOWN_SIM_MEASURE_PASSING_WATCH_H
+#define SHAKEDOWN_SIM_MEASURE_PASSING_WATCH_H
+
+#include "sim/sample/sample.h"
+
+/* A normal may not turn by more than 90 degrees within so many steps: longer contacts are of particles that roll about
+ * each other. */
+enum { PASSING_WATCH_TURN_STEPS = 256 };
+
+/* Particles that touched at the last look, by their ids, i < j. */
+struct passing_pair {
+    int32_t i, j;
+    int64_t since;    /* step at which the normal was that: */
+    double normal[3]; /* from j to i, of any length */
+};
+
+struct passing_watch {
+    struct passing_pair *pair, *next; /* [capacity], in the order of ids; and the ones under construction */
+    size_t n, capacity;
+    int64_t passed;  /* so far */
+    int32_t last[2]; /* ids of the last two that did, and the step at which it was seen */
+    int64_t last_step;
+};
+
+/* A look at the positions as they are; the last step need not be complete. Between looks particles may move by part of
+ * a radius. Errors: STATUS_NO_MEMORY. */
+enum status passing_watch_look(struct passing_watch *watch, struct sample *sample) MUST_USE;
+
+/* Forgets who touched: the next look begins anew. */
+void passing_watch_forget(struct passing_watch *watch);
+void passing_watch_free(struct passing_watch *watch);
+
+#endif
