@@ -107,8 +107,9 @@ static int evaluate(struct supervisor *s)
     begin_part(s);
     stop_unless_started(s, ROLE_ANALYZER, false);
     supervise(s);
-    /* A result that failed its checks is there all the same. */
-    const bool whole = s->failure == 0 || s->failure == status_exit_code(STATUS_LIMIT);
+    /* A result that failed its checks, or is doubtful, is there all the same. */
+    const bool whole = s->failure == 0 || s->failure == status_exit_code(STATUS_LIMIT) ||
+                       s->failure == status_exit_code(STATUS_DOUBTFUL);
     if (whole && !s->interrupted) {
         printf("results: %s\n", s->launch->folder.path);
         return s->failure;

@@ -36,6 +36,15 @@ says_not() { # TEXT
     echo "FAILED: $name says '$1'"
 }
 
+# A result that is doubtful is there, says so, and why; and so does the exit code.
+name=doubtful
+"$root/shakedown" run "$root/tests/verdict/damped-biaxial.cfg" --in-process --out "$work/$name" --set stages.0.dt_s=3e-6 \
+    --set stages.1.dt_s=3e-6 --set limits.overlap_ratio=1.0 >"$work/$name.said" 2>&1
+[ $? -eq 12 ] && grep -q '"verdict": "doubtful"' "$work/$name/analysis.json" || { failures=$((failures + 1)) && echo 'FAILED: doubtful'; }
+says 'verdict: doubtful'
+says "results: $work/$name"
+says_not 'evaluation failed'
+
 # Lateral walls rest: a test with K0 and Cc, without a dilatancy angle. K0 is between that of a gas (1) and of no
 # lateral stress, Cc that of a compression (above 0).
 run oedometer "$box" --set stages.1.walls.x.mode=fixed --set stages.1.walls.y.mode=fixed --set stages.1.walls.z.strain=0.02
