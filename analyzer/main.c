@@ -81,6 +81,7 @@ static enum status series_report(struct ensemble *ensemble, const struct command
 {
     int curves;
     bool liquefied;
+    TRY(series_check(ensemble, options->series));
     series_sort(ensemble);
     series_print(stdout, ensemble, options->series);
     if (!options->out)

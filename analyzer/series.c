@@ -94,6 +94,9 @@ static enum status lookup(const char *text, const char *key, double *value)
     char keys[700] = "";
     neighbours_list(&config, path, keys, sizeof keys);
     const config_setting_t *found = status == STATUS_OK ? config_lookup(&config, path) : NULL;
+    if (found && config_setting_is_aggregate(found) && !config_setting_is_group(found) &&
+        config_setting_length(found) == 1)
+        found = config_setting_get_elem(found, 0); /* a bound of a condition is a list of one */
     if (status == STATUS_OK && !(found && config_setting_is_number(found)))
         status = status_fail(STATUS_USAGE, "--series: '%s' is no number of the scene%s%s", key,
                              keys[0] ? "; numbers there: " : "; keys: docs/scene-reference.md", keys);
@@ -125,6 +128,20 @@ static int by_name_and_value(const void *a, const void *b)
     const struct ensemble_member *one = a, *other = b;
     int names = strcmp(one->name, other->name);
     return names ? names : (one->key_value > other->key_value) - (one->key_value < other->key_value);
+}
+
+enum status series_check(const struct ensemble *ensemble, const char *key)
+{
+    for (size_t k = 1; k < ensemble->n; k++)
+        if (ensemble->member[k].key_value != ensemble->member[0].key_value)
+            return STATUS_OK;
+    if (ensemble->n < 2)
+        return STATUS_OK;
+    return status_fail(
+        STATUS_USAGE,
+        "--series: all %zu runs have %s = %g, so that there is nothing to plot over it; without --series "
+        "they are an ensemble",
+        ensemble->n, key, ensemble->member[0].key_value);
 }
 
 void series_sort(struct ensemble *ensemble)

@@ -9,9 +9,13 @@
 #include "common/scene.h"
 #include "common/status.h"
 
-/* The number that the scene in force has under `key`, as after --set: "material.mu_s", "stages.2.duration_s".
- * STATUS_USAGE if there is no such number, STATUS_NO_MEMORY. */
+/* The number that the scene in force has under `key`, as after --set: "material.mu_s", "stages.2.duration_s",
+ * "stages.2.walls.z.until_stress_pa" (one bound). STATUS_USAGE if there is no such number, STATUS_NO_MEMORY. */
 enum status series_key_value(const struct scene *scene, const char *key, double *value) MUST_USE;
+
+/* Refuses runs that do not differ in `key`, as a key that their stage does not use (ensemble_member.key_value filled by
+ * the caller): STATUS_USAGE. */
+enum status series_check(const struct ensemble *ensemble, const char *key) MUST_USE;
 
 /* Sorts the ensemble by the names of the runs, then by the key's value (ensemble_member.key_value, filled by the
  * caller). Runs of one name are one curve. */

@@ -28,6 +28,22 @@ static void keys(void **state)
     run_free(&run);
 }
 
+/* A bound of a condition is a list of one; a band has no number. */
+static void bounds(void **state)
+{
+    struct run run;
+    double value = 0;
+    (void)state;
+    fixture_run(&run, fixture_biaxial_config, 2);
+    struct config_band *band = &run.scene->stage[0].axis[AXIS_Z].until_strain;
+    *band = (struct config_band){.count = 1, .value = {0.25}};
+    assert_int_equal(series_key_value(run.scene, "stages.0.walls.z.until_strain", &value), STATUS_OK);
+    assert_near(value, 0.25, 0);
+    *band = (struct config_band){.count = 2, .value = {0.1, 0.25}};
+    assert_int_equal(series_key_value(run.scene, "stages.0.walls.z.until_strain", &value), STATUS_USAGE);
+    run_free(&run);
+}
+
 /* Two curves, out of order; the second point of "b" has no peak. */
 static void make(struct ensemble *ensemble)
 {
@@ -69,6 +85,7 @@ static void table(void **state)
     assert_near(ensemble.member[1].key_value, 0.4, 0);
     assert_near(ensemble.member[3].key_value, 1, 0);
     fixture_directory_make(directory, sizeof directory);
+    assert_int_equal(series_check(&ensemble, "material.mu_s"), STATUS_OK);
     assert_int_equal(series_write(&ensemble, "material.mu_s", directory, &curves), STATUS_OK);
     assert_int_equal(curves, 2); /* peaks of a and of b; nothing else is there */
     snprintf(path, sizeof path, "%s/series.csv", directory);
@@ -79,6 +96,10 @@ static void table(void **state)
     free(text);
     series_print(stdout, &ensemble, "material.mu_s");
     assert_int_equal(series_write(&ensemble, "material.mu_s", "/nowhere/at/all", &curves), STATUS_IO);
+    for (int k = 0; k < 4; k++)
+        ensemble.member[k].key_value = 0;
+    assert_int_equal(series_check(&ensemble, "material.mu_s"), STATUS_USAGE);
+    assert_non_null(strstr(status_message(), "all 4 runs have material.mu_s = 0"));
     fixture_directory_remove(directory);
     ensemble_free(&ensemble);
 }
@@ -115,7 +136,7 @@ static void a_name_is_a_text(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(keys), cmocka_unit_test(table),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(keys), cmocka_unit_test(bounds), cmocka_unit_test(table),
                                        cmocka_unit_test(a_name_is_a_text)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
