@@ -1,6 +1,7 @@
 /* bench_peers --bin DIR --root DIR [--scene A|B|C] [--reps N] [--out DIR] [--json FILE]: the same packing stepped by
  * LAMMPS, LIGGGHTS and us, one thread each, in turn on one core; and the forces of all three compared
- * (docs/peers.md). */
+ * (docs/peers.md). With --threads N [--count N] [--scene discs|spheres]: large packings stepped by N threads of ours
+ * and N ranks of LAMMPS. */
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -23,7 +24,7 @@ static const struct peers_case CASES[] = {
 
 struct options {
     const char *bin, *root, *out;
-    int reps;
+    int reps, threads, count; /* threads 0: scenes on one core */
 };
 
 static void show_cpu(json_t *root)
@@ -65,6 +66,7 @@ static enum status run_case(const struct peers_case *at, const struct options *o
                               .sim = sim,
                               .whole = calloc(1, sizeof *work.whole),
                               .reps = options->reps,
+                              .threads = 1,
                               .report = json_pack("{s:s, s:s}", "scene", at->name, "file", at->file)};
     enum status status = work.whole ? fill_work(&work, options) : status_fail(STATUS_NO_MEMORY, "out of memory");
     if (status == STATUS_OK) {
@@ -81,6 +83,19 @@ static enum status run_case(const struct peers_case *at, const struct options *o
     return status;
 }
 
+static enum status run_threads(const struct options *options, const char *only, json_t *cases)
+{
+    char sim[1024];
+    snprintf(sim, sizeof sim, "%s/sim/sim", options->bin);
+    const struct peers_threads threaded = {.sim = sim,
+                                           .out = options->out,
+                                           .only = only,
+                                           .threads = options->threads,
+                                           .count = options->count,
+                                           .reps = options->reps};
+    return peers_threads(&threaded, cases);
+}
+
 static enum status run_cases(const struct options *options, const char *only, json_t *root)
 {
     json_t *cases = json_array();
@@ -88,6 +103,8 @@ static enum status run_cases(const struct options *options, const char *only, js
     json_object_set_new(root, "cases", cases);
     TRY(folder_make(options->out));
     show_cpu(root);
+    if (options->threads > 0)
+        return run_threads(options, only, cases);
     for (size_t k = 0; k < sizeof CASES / sizeof *CASES; k++) {
         if (only && strcmp(only, CASES[k].name) != 0)
             continue;
@@ -97,19 +114,39 @@ static enum status run_cases(const struct options *options, const char *only, js
     return any ? STATUS_OK : status_fail(STATUS_USAGE, "there is no scene %s: A, B or C", only);
 }
 
-static enum status bench(struct options *options, const char *only, const char *reps, const char *json_path)
+/* What options say, NULL: not given. */
+struct words {
+    const char *only, *reps, *threads, *count, *json;
+};
+
+static enum status read_numbers(struct options *options, const struct words *words)
+{
+    options->reps = words->reps ? atoi(words->reps) : 5;
+    options->threads = words->threads ? atoi(words->threads) : 0;
+    options->count = words->count ? atoi(words->count) : 100000;
+    if (options->reps < 0 || options->reps > PEERS_REPS_MAX)
+        return status_fail(STATUS_USAGE, "--reps must be 0 (forces only) to %d", PEERS_REPS_MAX);
+    if (words->threads && options->threads < 1)
+        return status_fail(STATUS_USAGE, "--threads must be a number of threads: %s", words->threads);
+    if (words->count && !words->threads)
+        return status_fail(STATUS_USAGE, "--count goes with --threads");
+    if (options->count < PARTICLES_LARGE_SAMPLE || options->count > 10000000)
+        return status_fail(STATUS_USAGE, "--count must be %d to 10000000", PARTICLES_LARGE_SAMPLE);
+    return STATUS_OK;
+}
+
+static enum status bench(struct options *options, const struct words *words)
 {
     int core;
     if (!options->bin || !options->root || !options->out)
         return status_fail(STATUS_USAGE, "start it with ./shakedown bench peers");
-    options->reps = reps ? atoi(reps) : 5;
-    if (options->reps < 0 || options->reps > PEERS_REPS_MAX)
-        return status_fail(STATUS_USAGE, "--reps must be 0 (forces only) to %d", PEERS_REPS_MAX);
-    TRY(pin_to_core(&core));
+    TRY(read_numbers(options, words));
+    if (options->threads == 0)
+        TRY(pin_to_core(&core));
     json_t *root = json_object();
-    enum status status = run_cases(options, only, root);
-    if (status == STATUS_OK && json_path && json_dump_file(root, json_path, JSON_INDENT(1)) != 0)
-        status = status_fail(STATUS_IO, "%s: cannot be written", json_path);
+    enum status status = run_cases(options, words->only, root);
+    if (status == STATUS_OK && words->json && json_dump_file(root, words->json, JSON_INDENT(1)) != 0)
+        status = status_fail(STATUS_IO, "%s: cannot be written", words->json);
     json_decref(root);
     return status;
 }
@@ -117,15 +154,16 @@ static enum status bench(struct options *options, const char *only, const char *
 int main(int argc, char **argv)
 {
     struct options options = {0};
-    const char *json_path = NULL, *only = NULL, *reps = NULL;
+    struct words words = {0};
     const struct command_line_option own[] = {
-        {"bin", &options.bin, NULL}, {"root", &options.root, NULL}, {"scene", &only, NULL}, {"reps", &reps, NULL},
-        {"out", &options.out, NULL}, {"json", &json_path, NULL},    {NULL, NULL, NULL}};
+        {"bin", &options.bin, NULL},       {"root", &options.root, NULL}, {"scene", &words.only, NULL},
+        {"reps", &words.reps, NULL},       {"out", &options.out, NULL},   {"json", &words.json, NULL},
+        {"threads", &words.threads, NULL}, {"count", &words.count, NULL}, {NULL, NULL, NULL}};
     struct command_line line;
     setvbuf(stdout, NULL, _IOLBF, 0);
     floating_point_flush_subnormals();
     enum status status = command_line_parse(&line, argc, argv, own);
     if (status == STATUS_OK)
-        status = bench(&options, only, reps, json_path);
+        status = bench(&options, &words);
     return status_report("bench_peers", status);
 }

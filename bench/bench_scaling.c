@@ -1,14 +1,16 @@
 /* bench_scaling [--dimension 2|3] [--precision double|mixed] [--counts N,N,...] [--threads T,T,...] [--ordered]
- * [--bandwidth GB/s] [--json FILE]: cost of a particle-step against the number of particles, dense packings with the
- * radii and materials of scenes A (2D) and B (3D). A packing is a jittered lattice at the solid fraction that gives the
- * scene's number of contacts, relaxed for a few hundred steps under strong damping. The skin is about what scenes A and
- * B choose when they are tested, for all sizes, so that a particle has as many candidates: tuned, it would be wider the
- * faster the fastest of all particles is. Particles get their places at random, as after long mixing; --ordered keeps
- * them in rows. Times are the least of several blocks; beside them stands what the core could do, the less of before
- * and after (timing.h). Below the rows of a sample, for each number of threads: how many times as fast as with the
- * first of them, one thread, a step, its parts and a build of the lists are, how much of that number is reached, and
- * which part of the time would have to be serial to explain it (Amdahl). And a model of a step on more cores
- * (scaling_model.h) that can move --bandwidth GB/s together. All threads are at work while steps and parts are timed.
+ * [--busy] [--bandwidth GB/s] [--json FILE]: cost of a particle-step against the number of particles, dense packings
+ * with the radii and materials of scenes A (2D) and B (3D). A packing is a jittered lattice at the solid fraction that
+ * gives the scene's number of contacts, relaxed for a few hundred steps under strong damping. The skin is about what
+ * scenes A and B choose when they are tested, for all sizes, so that a particle has as many candidates: tuned, it would
+ * be wider the faster the fastest of all particles is. Particles get their places at random, as after long mixing;
+ * --ordered keeps them in rows. Times are the least of several blocks; beside them stands what the core could do, the
+ * less of before and after (timing.h). Below the rows of a sample, for each number of threads: how many times as fast
+ * as with the first of them, one thread, a step, its parts and a build of the lists are, how much of that number is
+ * reached, and which part of the time would have to be serial to explain it (Amdahl). And a model of a step on more
+ * cores (scaling_model.h) that can move --bandwidth GB/s together. All threads are at work while steps and parts are
+ * timed.
+ * --busy: instead, steps beside a program that keeps a core busy (scaling_busy.h).
  */
 #include <inttypes.h>
 #include <jansson.h>
@@ -18,128 +20,38 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/lattice_sample.h"
+#include "bench/scaling_busy.h"
 #include "bench/scaling_model.h"
 #include "bench/timing.h"
 #include "common/bus.h"
 #include "common/command_line.h"
 #include "common/floating_point.h"
 #include "common/scene_file.h"
-#include "sim/base/random.h"
 #include "sim/measure/measure.h"
 #include "sim/run/sample_source.h"
 #include "sim/sample/sample.h"
-#include "sim/sample/stage.h"
 #include "sim/sample/step_completion.h"
 #include "sim/sample/time_step.h"
 
 enum { BLOCKS = 8, RELAX_STEPS = 300, LIST_MAX = 32 };
 static const double BLOCK_S = 0.12;
 
-struct kind {
-    int dimension;
-    double solid_fraction, jitter; /* of the spacing */
-    const char *text;              /* of the scene behind threads, precision and count */
-};
-
-static const struct kind kinds[] = {
-    {2, 0.90, 0.1,
-     "dimension = 2; threads = %d; precision = \"%s\";\nneighbor = { skin_ratio = 0.2; };\nsample = { count = %d; "
-     "radius_min_m = 0.5e-3; radius_max_m = "
-     "1.5e-3; "
-     "density_kg_per_m3 = 2000.0; "
-     "};\n"
-     "material = { law = \"hysteretic\"; k1_n_per_m = 5e4; k2_n_per_m = 1e5; gamma_n_kg_per_s = 0.1; };\n"
-     "stages = ( { name = \"relax\"; dt_s = 1e-6; duration_s = 1.0; material = { gamma_b_kg_per_s = 0.5; }; },\n"
-     "  { name = \"test\"; dt_s = 5e-7; duration_s = 1.0; material = { gamma_b_kg_per_s = 0.01; }; } );\n"},
-    {3, 0.645, 0.1,
-     "dimension = 3; threads = %d; precision = \"%s\";\nneighbor = { skin_ratio = 0.15; };\nsample = { count = %d; "
-     "radius_distribution = \"gaussian\"; "
-     "radius_mean_m = 5e-3;\n"
-     "  radius_sd_m = 0.7e-3; radius_min_m = 3e-3; radius_max_m = 7e-3; density_kg_per_m3 = 2000.0; };\n"
-     "material = { kn_n_per_m = 5000.0; gamma_n_kg_per_s = 0.05; mu_s = 0.1; kt_n_per_m = 1000.0;\n"
-     "  gamma_t_kg_per_s = 0.01; gamma_br_kg_per_s = 0.05; };\n"
-     "stages = ( { name = \"relax\"; dt_s = 2e-5; duration_s = 10.0; material = { mu_s = 0.0; gamma_b_kg_per_s = 5.0; "
-     "}; },\n"
-     "  { name = \"test\"; dt_s = 2e-5; duration_s = 10.0; material = { gamma_b_kg_per_s = 0.2; }; } );\n"}};
-
 static const char *const precisions[] = {"double", "mixed"};
 
 struct row {
     const char *precision;
     int count, contacts, candidates, threads;
+    double memory_mb;           /* that the process had at most while it packed the sample and went through steps */
     double bytes_mb, stream_us; /* that a step moves, and as long as it takes to move as many in order */
     struct timing_core before, after;
     double setup_s, step_us, pair_us, walls_us, drift_us, kick_us, build_us;
-    double *block_us; /* least time of each block, with one thread; NULL: not cut into blocks */
-    int n_blocks, n_pieces;
-    double rest_us;         /* of a step outside of blocks */
-    double job_us;          /* a job without pieces that take any time */
-    double builds_per_step; /* of the lists, while steps were timed: how fast the particles of this sample move */
+    double *block_us;          /* least time of each block, with one thread; NULL: not cut into blocks */
+    int n_blocks, n_pieces[3]; /* of the walls of each axis, which are done at the same time */
+    double rest_us;            /* of a step outside of blocks */
+    double job_us;             /* a job without pieces that take any time */
+    double builds_per_step;    /* of the lists, while steps were timed: how fast the particles of this sample move */
 };
-
-/* The particle that gets each place: at random, or in order. */
-static enum status draw_places(int count, bool ordered, int **place)
-{
-    struct random random;
-    random_init(&random, 7);
-    *place = malloc((size_t)count * sizeof **place);
-    if (!*place)
-        return status_fail(STATUS_NO_MEMORY, "out of memory");
-    for (int k = 0; k < count; k++)
-        (*place)[k] = k;
-    for (int k = count - 1; !ordered && k > 0; k--) {
-        int m = (int)(random_uniform(&random) * (k + 1)), swap = (*place)[k];
-        (*place)[k] = (*place)[m];
-        (*place)[m] = swap;
-    }
-    return STATUS_OK;
-}
-
-/* Shrinks the scene's lattice with its walls to the wanted solid fraction, and jitters it. */
-static enum status pack(struct sample *sample, const struct kind *kind, bool ordered)
-{
-    struct particles *p = &sample->particles;
-    struct random random;
-    int *place;
-    double volume = 1, *copy = malloc((size_t)p->count * sizeof *copy);
-    random_init(&random, 1);
-    TRY(draw_places(p->count, ordered, &place));
-    if (!copy) {
-        free(place);
-        return status_fail(STATUS_NO_MEMORY, "out of memory");
-    }
-    for (int c = 0; c < p->dimension; c++)
-        volume *= sample_box_length_m(sample, c);
-    double shrink = pow(particles_solid_volume(p) / kind->solid_fraction / volume, 1.0 / p->dimension);
-    double spacing = shrink * 2.02 * sample->scene->sample.radius_max_m;
-    for (int c = 0; c < p->dimension; c++) {
-        memcpy(copy, p->x[c], (size_t)p->count * sizeof *copy);
-        for (int i = 0; i < p->count; i++)
-            p->x[c][i] = shrink * copy[place[i]] + kind->jitter * spacing * (2 * random_uniform(&random) - 1);
-        sample->walls[2 * c].x *= shrink;
-        sample->walls[2 * c + 1].x *= shrink;
-    }
-    free(copy);
-    free(place);
-    return sample_build_lists(sample);
-}
-
-/* Starts a stage with the walls at rest where they are. */
-static enum status begin(struct sample *sample, int stage)
-{
-    struct wall_command command = {
-        .stage = stage, .step = sample->step, .n_steps = INT_MAX, .n_walls = sample->n_walls};
-    for (int w = 0; w < sample->n_walls; w++)
-        command.position_m[w] = sample->walls[w].x;
-    return sample_command(sample, &command);
-}
-
-static enum status steps(struct sample *sample, int n)
-{
-    for (int k = 0; k < n; k++)
-        TRY(sample_step_open(sample));
-    return STATUS_OK;
-}
 
 /* The parts, each as often as wanted at one state: no time passes (dt = 0). */
 static enum status one_pair(struct sample *sample)
@@ -234,7 +146,7 @@ static enum status time_parts(struct sample *sample, struct row *row)
     TRY(time_it(sample, one_drift, &row->drift_us));
     TRY(time_it(sample, one_kick, &row->kick_us));
     TRY(time_it(sample, one_build, &row->build_us));
-    row->stream_us = 1e3 * row->bytes_mb / timing_stream_gb_per_s(1e6 * row->bytes_mb / 2);
+    row->stream_us = 1e3 * row->bytes_mb / timing_stream_gb_per_s(1e6 * row->bytes_mb / 2, sample->threads.team);
     return STATUS_OK;
 }
 
@@ -299,7 +211,7 @@ static enum status time_blocks(struct sample *sample, struct row *row)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
     row->n_blocks = n;
     for (int w = 0; w < sample->n_walls; w++)
-        row->n_pieces += (sample->walls[w].contacts.n_sets + THREADS_PIECE_SETS - 1) / THREADS_PIECE_SETS;
+        row->n_pieces[w / 2] += (sample->walls[w].contacts.n_sets + THREADS_PIECE_SETS - 1) / THREADS_PIECE_SETS;
     for (int b = 0; b < n; b++)
         row->block_us[b] = INFINITY;
     row->rest_us = INFINITY;
@@ -318,17 +230,42 @@ static enum status time_blocks(struct sample *sample, struct row *row)
     return STATUS_OK;
 }
 
-static enum status measure_world(struct sample *sample, const struct kind *kind, bool ordered, struct row *row)
+/* What the process had in memory at most since it was last forgotten [MB]; 0: the system does not say. */
+static double peak_mb(void)
+{
+    char line[128];
+    double kb = 0;
+    FILE *file = fopen("/proc/self/status", "r");
+    while (file && fgets(line, sizeof line, file))
+        if (sscanf(line, "VmHWM: %lf kB", &kb) == 1)
+            break;
+    if (file)
+        fclose(file);
+    return 1.024e-3 * kb;
+}
+
+/* Earlier samples of this process are gone. */
+static void forget_peak(void)
+{
+    FILE *file = fopen("/proc/self/clear_refs", "w");
+    if (!file)
+        return;
+    (void)fputs("5", file); /* where that is not allowed, the peak is that of the largest sample so far */
+    (void)fclose(file);
+}
+
+static enum status measure_world(struct sample *sample, const struct lattice_kind *kind, bool ordered, struct row *row)
 {
     double start = clock_now_s();
-    TRY(pack(sample, kind, ordered));
-    TRY(begin(sample, 0));
+    TRY(lattice_pack(sample, kind, ordered));
+    TRY(lattice_begin(sample, 0));
     row->setup_s = clock_now_s() - start;
-    TRY(steps(sample, RELAX_STEPS));
-    TRY(begin(sample, 1));
-    TRY(steps(sample, 20));
+    TRY(lattice_steps(sample, RELAX_STEPS));
+    TRY(lattice_begin(sample, 1));
+    TRY(lattice_steps(sample, 20));
     row->contacts = measure_contacts(sample_complete(sample), NULL);
     row->candidates = sample->pairs.count;
+    row->memory_mb = peak_mb();
     row->bytes_mb = 1e-6 * bytes_moved(sample);
     row->before = timing_core();
     TRY(time_parts(sample, row));
@@ -338,16 +275,15 @@ static enum status measure_world(struct sample *sample, const struct kind *kind,
     return STATUS_OK;
 }
 
-static enum status measure_row(const struct kind *kind, int count, bool ordered, struct row *row)
+static enum status measure_row(const struct lattice_kind *kind, int count, bool ordered, struct row *row)
 {
-    char text[2048];
     struct sample *sample = NULL;
     struct scene *scene = calloc(1, sizeof *scene);
     if (!scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    snprintf(text, sizeof text, kind->text, row->threads, row->precision, count);
     double start = clock_now_s();
-    enum status status = scene_parse(scene, text, "scaling");
+    forget_peak();
+    enum status status = lattice_scene(scene, kind, row->threads, row->precision, count);
     if (status == STATUS_OK)
         status = sample_from_scene(&sample, scene);
     double created_s = clock_now_s() - start;
@@ -360,25 +296,26 @@ static enum status measure_row(const struct kind *kind, int count, bool ordered,
     return status;
 }
 
-static json_t *report_row(const struct kind *kind, const struct row *row)
+static json_t *report_row(const struct lattice_kind *kind, const struct row *row)
 {
     double n = row->count, parts = row->pair_us + row->walls_us + row->drift_us + row->kick_us;
     printf(
         "%dD %8d %2d %6s %6.2f %6.2f %7.2f %11.1f %9.2f %6.0f %7.1f  %3.0f %3.0f %3.0f %3.0f %10.1f %8.1f %8.4f %5.2f "
-        "%4.1f\n",
+        "%4.1f %6.0f\n",
         kind->dimension, row->count, row->threads, row->precision, row->contacts / n, row->candidates / n, row->setup_s,
         row->step_us, 1e3 * row->step_us / n, 1e6 * row->bytes_mb / n, 1e3 * row->stream_us / n,
         100 * row->pair_us / parts, 100 * row->walls_us / parts, 100 * row->drift_us / parts,
         100 * row->kick_us / parts, 1e3 * row->build_us / n, row->build_us / row->step_us, row->builds_per_step,
-        fmin(row->before.ghz, row->after.ghz), fmin(row->before.additions_per_ns, row->after.additions_per_ns));
+        fmin(row->before.ghz, row->after.ghz), fmin(row->before.additions_per_ns, row->after.additions_per_ns),
+        row->memory_mb);
     fflush(stdout);
-    return json_pack("{s:i, s:s, s:f, s:f, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o}",
+    return json_pack("{s:i, s:s, s:f, s:f, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o}",
                      "dimension", kind->dimension, "precision", row->precision, "bytes_mb", row->bytes_mb, "stream_us",
                      row->stream_us, "particles", row->count, "threads", row->threads, "contacts", row->contacts,
                      "candidates", row->candidates, "setup_s", row->setup_s, "step_us", row->step_us, "pair_us",
                      row->pair_us, "walls_us", row->walls_us, "drift_us", row->drift_us, "kick_us", row->kick_us,
-                     "build_us", row->build_us, "builds_per_step", row->builds_per_step, "core",
-                     timing_core_json(&row->before, &row->after));
+                     "build_us", row->build_us, "builds_per_step", row->builds_per_step, "memory_mb", row->memory_mb,
+                     "core", timing_core_json(&row->before, &row->after));
 }
 
 /* "1.90 (95 %, 5 %)": times as fast, of what P threads could be, and serial part. */
@@ -399,21 +336,23 @@ static void report_gains(const struct row *one, const struct row *row)
     report_gain("drift", one->drift_us, row->drift_us, row->threads);
     report_gain("kick", one->kick_us, row->kick_us, row->threads);
     report_gain("build", one->build_us, row->build_us, row->threads);
+    report_gain("stream", one->stream_us, row->stream_us, row->threads);
     printf("\n");
 }
 
 /* The model's step on P cores; `two`: with the threads whose jobs were timed. */
-static void report_model(const struct kind *kind, const struct row *one, const struct row *two, double bandwidth)
+static void report_model(const struct lattice_kind *kind, const struct row *one, const struct row *two,
+                         double bandwidth)
 {
-    const int jobs = 1 + kind->dimension, most = 64;
+    const int jobs = 2 + kind->dimension, most = 64; /* blocks, what was left to others, and walls */
     double blocks_us = 0;
     if (!one->block_us || two->threads < 2)
         return;
     for (int b = 0; b < one->n_blocks; b++)
         blocks_us += one->block_us[b];
     const double rest = one->rest_us - one->walls_us;
-    const struct scaling_model model = {one->n_blocks, one->block_us, one->walls_us, one->n_pieces, jobs,
-                                        fmax(rest, 0), two->job_us,   one->bytes_mb, bandwidth};
+    const struct scaling_model model = {one->n_blocks, one->block_us, one->walls_us, kind->dimension, one->n_pieces,
+                                        jobs,          fmax(rest, 0), two->job_us,   one->bytes_mb,   bandwidth};
     printf("%8d, model, %d blocks, %.0f us + %.0f us walls + %.0f us serial, %.1f us a job, %.0f GB/s:", one->count,
            one->n_blocks, blocks_us, one->walls_us, fmax(rest, 0), two->job_us, bandwidth);
     for (int threads = 2; threads <= most; threads *= 2)
@@ -435,7 +374,7 @@ static int parse_list(const char *text, int *list)
 
 struct options {
     const char *dimension, *precision, *counts, *threads, *json, *bandwidth;
-    bool ordered;
+    bool ordered, busy;
 };
 
 /* Whether an option that is not given, or the one value that it has, lets this through. */
@@ -444,14 +383,32 @@ static bool wanted(const char *option, const char *value)
     return !option || strcmp(option, value) == 0;
 }
 
+/* Beside a busy program: as many threads, and one, in turns. */
+static enum status report_busy(const struct lattice_kind *kind, const char *precision, int count, int threads)
+{
+    struct scaling_busy busy = {.kind = kind, .precision = precision, .count = count, .threads = threads};
+    if (threads < 2)
+        return STATUS_OK;
+    TRY(scaling_busy_measure(&busy));
+    printf(
+        "%8d, %d threads beside a busy program: %.1f us per step, one thread %.1f: %.2f times, worst of %d turns of %d "
+        "steps %.2f; without it %.2f\n",
+        count, threads, busy.many_us, busy.one_us, busy.many_us / busy.one_us, busy.turns, busy.steps, busy.worst,
+        busy.undisturbed);
+    fflush(stdout);
+    return STATUS_OK;
+}
+
 /* The numbers of threads for one sample. */
-static enum status bench_count(const struct kind *kind, const char *precision, int count, const int *threads,
+static enum status bench_count(const struct lattice_kind *kind, const char *precision, int count, const int *threads,
                                int n_threads, const struct options *options, json_t *rows)
 {
     struct row row[LIST_MAX] = {{0}};
     enum status status = STATUS_OK;
     int n = 0;
-    for (; n < n_threads && status == STATUS_OK; n++) {
+    for (int k = 0; options->busy && k < n_threads; k++)
+        TRY(report_busy(kind, precision, count, threads[k]));
+    for (; n < n_threads && status == STATUS_OK && !options->busy; n++) {
         row[n] = (struct row){.precision = precision, .count = count, .threads = threads[n]};
         status = measure_row(kind, count, options->ordered, &row[n]);
         if (status == STATUS_OK)
@@ -467,7 +424,7 @@ static enum status bench_count(const struct kind *kind, const char *precision, i
 }
 
 /* Counts and threads of one dimension and precision. */
-static enum status bench_kind(const struct kind *kind, const char *precision, const struct options *options,
+static enum status bench_kind(const struct lattice_kind *kind, const char *precision, const struct options *options,
                               json_t *rows)
 {
     int count[LIST_MAX], threads[LIST_MAX];
@@ -475,7 +432,7 @@ static enum status bench_kind(const struct kind *kind, const char *precision, co
     if (n_counts == 0 || n_threads == 0)
         return status_fail(STATUS_USAGE,
                            "usage: bench_scaling [--dimension 2|3] [--precision double|mixed] [--counts N,N,...] "
-                           "[--threads T,...] [--ordered] [--bandwidth GB/s] [--json FILE]");
+                           "[--threads T,...] [--ordered] [--busy] [--bandwidth GB/s] [--json FILE]");
     for (int n = 0; n < n_counts; n++)
         TRY(bench_count(kind, precision, count[n], threads, n_threads, options, rows));
     return STATUS_OK;
@@ -484,23 +441,26 @@ static enum status bench_kind(const struct kind *kind, const char *precision, co
 static enum status bench_scaling(const struct options *options, json_t *rows)
 {
     printf("          N  T         contacts candid.  setup  us per step  ns per N bytes/N  stream  %% pair walls drift "
-           "kick  build ns/N  in steps per step   GHz add/ns\n");
-    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+           "kick  build ns/N  in steps per step   GHz add/ns     MB\n");
+    for (int dimension = 2; dimension <= 3; dimension++)
         for (size_t m = 0; m < sizeof precisions / sizeof *precisions; m++)
-            if (wanted(options->dimension, kinds[k].dimension == 2 ? "2" : "3") &&
-                wanted(options->precision, precisions[m]))
-                TRY(bench_kind(&kinds[k], precisions[m], options, rows));
+            if (wanted(options->dimension, dimension == 2 ? "2" : "3") && wanted(options->precision, precisions[m]))
+                TRY(bench_kind(lattice_kind_of(dimension), precisions[m], options, rows));
     return STATUS_OK;
 }
 
 int main(int argc, char **argv)
 {
     struct options options = {.counts = "1e3,3375,1e4,2e4,1e5,3e5,1e6", .threads = "1,2", .bandwidth = "200"};
-    const struct command_line_option own[] = {
-        {"dimension", &options.dimension, NULL}, {"precision", &options.precision, NULL},
-        {"counts", &options.counts, NULL},       {"threads", &options.threads, NULL},
-        {"bandwidth", &options.bandwidth, NULL}, {"json", &options.json, NULL},
-        {"ordered", NULL, &options.ordered},     {NULL, NULL, NULL}};
+    const struct command_line_option own[] = {{"dimension", &options.dimension, NULL},
+                                              {"precision", &options.precision, NULL},
+                                              {"counts", &options.counts, NULL},
+                                              {"threads", &options.threads, NULL},
+                                              {"bandwidth", &options.bandwidth, NULL},
+                                              {"json", &options.json, NULL},
+                                              {"ordered", NULL, &options.ordered},
+                                              {"busy", NULL, &options.busy},
+                                              {NULL, NULL, NULL}};
     struct command_line line;
     floating_point_flush_subnormals();
     json_t *rows = json_array();

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The same packing stepped by LAMMPS, LIGGGHTS and us, in turn on one core, and the forces compared (docs/peers.md):
 # ./shakedown bench peers [--install] [--scene A|B|C] [--reps N] [--out DIR] [--json FILE]
+# ./shakedown bench peers --threads N [--count N] [--scene discs|spheres] [...]: N threads beside N ranks of LAMMPS
 # --install gets the two from Debian's packages; --out keeps inputs, logs and the prepared samples for the next time.
 set -euo pipefail
 # shellcheck source=options.sh
@@ -38,7 +39,7 @@ install_missing() {
     [ "${#missing[@]}" -eq 0 ] || fail "installed, and still not in PATH: ${missing[*]}"
 }
 
-read_options --install '--out --scene --reps --json' '--install --out' "$@"
+read_options --install '--out --scene --reps --json --threads --count' '--install --out' "$@"
 find_missing
 if [ "${#missing[@]}" -gt 0 ]; then
     [ -n "${given[--install]:-}" ] || fail "not installed: ${missing[*]}. Nothing else needs them.

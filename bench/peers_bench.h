@@ -21,6 +21,7 @@ struct peers_work {
     char checkpoint[CONFIG_STRING_MAX]; /* the prepared sample */
     struct scene *whole, *last;         /* the scene, and its last stage alone, from the checkpoint */
     int reps;
+    int threads; /* ours has; the peers have as many ranks */
     json_t *report;
 };
 
@@ -53,6 +54,15 @@ enum status peers_states(const struct peers_work *work) MUST_USE;
 /* Forces on every particle, and positions after some hundred steps, of the peers and ours. Prints a table and adds it
  * to the report. */
 enum status peers_physics(const struct peers_work *work) MUST_USE;
+
+/* Time per step of many discs or spheres (packings of lattice_sample.h), ours with `threads` threads beside LAMMPS with
+ * as many ranks; named "discs" or "spheres", NULL: both. Adds to `cases`. STATUS_USAGE for others, or more threads than
+ * this process may use CPUs. */
+struct peers_threads {
+    const char *sim, *out, *only;
+    int threads, count, reps;
+};
+enum status peers_threads(const struct peers_threads *options, json_t *cases) MUST_USE;
 
 /* Time per step, all in turn; of a law "hertz" also ours with a linear law of about the same stiffness. A hysteretic
  * sample is first settled with the linear law of its k1, so that the peers, who start without history, get one at rest.

@@ -48,6 +48,7 @@ struct peer_input {
     double dt_s, skin_m;
     int delay; /* steps after a build of the lists without a look whether they hold */
     long warm_up, steps;
+    int processes;                  /* ranks of MPI; 0, 1: without it */
     const struct peer_state *state; /* NULL: the packing is stepped; else nothing moves but as these states say, and */
     int n_states;                   /* the dump has a snapshot of each, with velocities, after one of the start */
 };

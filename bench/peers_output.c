@@ -25,22 +25,23 @@ static const char *our_loop(const char *log, long *steps, double *seconds)
     return NULL;
 }
 
-enum status peers_read_loop(const char *log, double *us_per_step)
+enum status peers_read_loop(const char *log, int processes, double *us_per_step)
 {
     double seconds;
     long steps;
-    int processes = 1;
+    int found = processes;
     const char *line = last_line(log, "Loop time of ");
     if (line) {
-        if (sscanf(line, "Loop time of %lf on %d procs for %ld steps", &seconds, &processes, &steps) != 3)
+        if (sscanf(line, "Loop time of %lf on %d procs for %ld steps", &seconds, &found, &steps) != 3)
             return status_fail(STATUS_FORMAT, "a log with an unknown kind of loop time: %.60s", line);
     } else {
         line = our_loop(log, &steps, &seconds);
         if (!line)
             return status_fail(STATUS_FORMAT, "a log without the time of the loop");
     }
-    if (steps < 1 || !(seconds > 0) || processes != 1)
-        return status_fail(STATUS_FORMAT, "no time per step in: %.60s", line);
+    if (steps < 1 || !(seconds > 0) || found != processes)
+        return status_fail(STATUS_FORMAT, "no time per step of %d process%s in: %.60s", processes,
+                           processes == 1 ? "" : "es", line);
     *us_per_step = 1e6 * seconds / (double)steps;
     return STATUS_OK;
 }

@@ -7,8 +7,8 @@
 
 /* Time per step [us] of the last run in a log of LAMMPS or LIGGGHTS ("Loop time of 0.5 on 1 procs for 1000 steps with
  * ..."), or of one of sim --progress ("sim: 1000 steps, 0.5 s, 500.00 us per step, ..."). STATUS_FORMAT if there is
- * none, if it was no step, or not one process. */
-enum status peers_read_loop(const char *log, double *us_per_step) MUST_USE;
+ * none, if it was no step, or not of as many processes; ours is one process, whatever its threads. */
+enum status peers_read_loop(const char *log, int processes, double *us_per_step) MUST_USE;
 
 /* One line per particle, "id x y z fx fy fz" of ids 1 ... count in order, from the last snapshot of a dump's text; to
  * position and force [3 count]. STATUS_FORMAT names what is wrong. */

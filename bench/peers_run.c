@@ -61,17 +61,33 @@ static enum status write_files(const struct peer_input *input, const struct samp
     return good ? STATUS_OK : status_fail(STATUS_IO, "%s or %s cannot be written", data_path, script);
 }
 
+/* mpirun refuses root, and fewer cores than ranks, unless told that it is meant. */
+enum { WORDS_MAX = 20 };
+
+static void put_command(const struct peer_input *input, const char *script, char *ranks, size_t size, const char **argv)
+{
+    const char *const by_mpi[] = {
+        "env", "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "mpirun", "-np", ranks};
+    const char *const program[] = {PROGRAM[input->peer], "-in", script, "-log", "none", "-nocite", NULL};
+    int n = 0;
+    snprintf(ranks, size, "%d", input->processes);
+    for (size_t k = 0; input->processes > 1 && k < sizeof by_mpi / sizeof *by_mpi; k++)
+        argv[n++] = by_mpi[k];
+    for (size_t k = 0; k < sizeof program / sizeof *program; k++)
+        argv[n++] = program[k];
+}
+
 enum status peers_run(struct peer_input *input, const struct sample *sample, const char *folder, const char *name)
 {
-    char data[1024], script[1024], log[1024];
+    char data[1024], script[1024], log[1024], ranks[16];
     snprintf(data, sizeof data, "%s/%s.data", folder, name);
     snprintf(script, sizeof script, "%s/%s.in", folder, name);
     snprintf(log, sizeof log, "%s/%s.log", folder, name);
     input->data = strrchr(data, '/') + 1;
     enum status status = write_files(input, sample, data, script);
     if (status == STATUS_OK) {
-        const char *const argv[] = {
-            PROGRAM[input->peer], "-in", strrchr(script, '/') + 1, "-log", "none", "-nocite", NULL};
+        const char *argv[WORDS_MAX];
+        put_command(input, strrchr(script, '/') + 1, ranks, sizeof ranks, argv);
         struct child child = {.argv = argv, .log = log, .folder = folder, .variable = "OMP_NUM_THREADS", .value = "1"};
         status = child_run(&child);
     }

@@ -12,7 +12,7 @@
 #include "sim/kernels/kernels.h"
 #include "sim/run/sample_source.h"
 
-enum { CONTESTANTS_MAX = 12, TUNE_STEPS = 500, WARM_UP = 50 };
+enum { CONTESTANTS_MAX = 12, TUNE_STEPS = 500, TUNE_STEPS_MANY = 150, WARM_UP = 50 };
 
 /* Skin over the mean radius, and steps without a look at the lists. */
 static const double SKINS[] = {0.05, 0.15, 0.4};
@@ -103,6 +103,25 @@ static const struct contestant HERTZIAN[] = {
     {.name = "LIGGGHTS hertz", .note = "history, fixed walls", .peer = PEER_LIGGGHTS, .law = PEER_HERTZ},
 };
 
+/* Of many particles on several threads or ranks: walls stay for all. */
+#define OURS_THREADED(note_)                                                                                           \
+    {.name = "shakedown, AVX-512", .note = note_, .isa = "avx512"},                                                    \
+        {.name = "shakedown, AVX2", .note = note_, .isa = "avx2"},                                                     \
+        {.name = "shakedown, AVX-512, mixed", .note = note_, .isa = "avx512", .precision = PRECISION_MIXED},           \
+    {                                                                                                                  \
+        .name = "shakedown, AVX2, mixed", .note = note_, .isa = "avx2", .precision = PRECISION_MIXED                   \
+    }
+
+static const struct contestant DISCS[] = {
+    OURS_THREADED("hysteretic, cohesive, fixed walls"),
+    {.name = "LAMMPS gran/hooke", .note = "linear, fixed walls", .peer = PEER_LAMMPS, .law = PEER_HOOKE},
+};
+
+static const struct contestant SPHERES[] = {
+    OURS_THREADED("friction, fixed walls"),
+    {.name = "LAMMPS gran/hooke/history", .note = "friction, fixed walls", .peer = PEER_LAMMPS, .law = PEER_HOOKE},
+};
+
 struct timing {
     const struct peers_work *work;
     struct scene *peers_scene; /* the last stage from the settled sample */
@@ -112,12 +131,12 @@ struct timing {
     int n;
 };
 
-static enum status read_time(const char *folder, const char *name, double *us)
+static enum status read_time(const char *folder, const char *name, int processes, double *us)
 {
     char path[1100], *text;
     snprintf(path, sizeof path, "%s/%s.log", folder, name);
     TRY(file_read(path, &text));
-    enum status status = peers_read_loop(text, us);
+    enum status status = peers_read_loop(text, processes, us);
     free(text);
     return status;
 }
@@ -125,18 +144,21 @@ static enum status read_time(const char *folder, const char *name, double *us)
 /* The program itself, as users run it in process; no records, as the peers write none. */
 static enum status time_ours(const struct timing *timing, const struct contestant *c, double *us)
 {
-    char log[1100];
+    char log[1100], threads[32];
     snprintf(log, sizeof log, "%s/ours.log", timing->work->folder);
+    snprintf(threads, sizeof threads, "threads=%d", timing->work->threads);
     const char *const argv[] = {timing->work->sim,
                                 timing->scene_path[c->linear],
                                 "--in-process",
                                 "--progress",
                                 "--set",
                                 c->precision == PRECISION_MIXED ? "precision=\"mixed\"" : "precision=\"double\"",
+                                "--set",
+                                threads,
                                 NULL};
     struct child child = {.argv = argv, .log = log, .variable = "SHAKEDOWN_ISA", .value = c->isa};
     TRY(child_run(&child));
-    return read_time(timing->work->folder, "ours", us);
+    return read_time(timing->work->folder, "ours", 1, us);
 }
 
 static enum status time_peer(const struct timing *timing, const struct contestant *c, long steps, double *us)
@@ -151,10 +173,11 @@ static enum status time_peer(const struct timing *timing, const struct contestan
     input.delay = c->delay;
     input.warm_up = WARM_UP;
     input.steps = steps;
+    input.processes = timing->work->threads;
     if (c->law == PEER_LUDING)
         input.restitution = 0.9;
     TRY(peers_run(&input, timing->sample, timing->work->folder, "timing"));
-    return read_time(timing->work->folder, "timing", us);
+    return read_time(timing->work->folder, "timing", timing->work->threads, us);
 }
 
 static enum status tune(const struct timing *timing, struct contestant *c)
@@ -166,7 +189,7 @@ static enum status tune(const struct timing *timing, struct contestant *c)
             double us;
             c->skin_ratio = SKINS[s];
             c->delay = DELAYS[d];
-            TRY(time_peer(timing, c, TUNE_STEPS, &us));
+            TRY(time_peer(timing, c, timing->work->threads > 1 ? TUNE_STEPS_MANY : TUNE_STEPS, &us));
             if (us >= least)
                 continue;
             least = us;
@@ -189,11 +212,21 @@ static bool is_hertz(const struct peers_work *work)
     return work->last->stage[0].material.law == LAW_HERTZ;
 }
 
+/* All that may take part; returns how many. */
+static int list_contestants(const struct peers_work *work, const struct contestant **from)
+{
+    const bool frictional = scene_is_frictional(work->last);
+#define LIST(list) (*from = (list), (int)(sizeof(list) / sizeof *(list)))
+    if (work->threads > 1)
+        return frictional ? LIST(SPHERES) : LIST(DISCS);
+    return is_hertz(work) ? LIST(HERTZIAN) : frictional ? LIST(FRICTIONAL) : LIST(FRICTIONLESS);
+#undef LIST
+}
+
 static void choose_contestants(struct timing *timing)
 {
-    const bool frictional = scene_is_frictional(timing->work->last), hertz = is_hertz(timing->work);
-    const struct contestant *from = hertz ? HERTZIAN : frictional ? FRICTIONAL : FRICTIONLESS;
-    int n = (int)((hertz ? sizeof HERTZIAN : frictional ? sizeof FRICTIONAL : sizeof FRICTIONLESS) / sizeof *from);
+    const struct contestant *from;
+    const int n = list_contestants(timing->work, &from);
     for (int k = 0; k < n; k++) {
         if (!from[k].isa || isa_is_supported(from[k].isa))
             timing->contestant[timing->n++] = from[k];

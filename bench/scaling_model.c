@@ -38,12 +38,21 @@ double scaling_model_makespan(const double *piece_us, int n, int threads)
     return longest;
 }
 
+/* All pieces of the walls take as long. */
+static double walls_us(const struct scaling_model *model, int threads)
+{
+    double rounds = 0, pieces = 0;
+    for (int k = 0; k < model->n_axes; k++) {
+        rounds += ceil((double)model->n_pieces[k] / threads);
+        pieces += model->n_pieces[k];
+    }
+    return pieces > 0 ? model->walls_us * rounds / pieces : 0;
+}
+
 double scaling_model_step_us(const struct scaling_model *model, int threads)
 {
     const double blocks = scaling_model_makespan(model->block_us, model->n_blocks, threads);
-    const double rounds = ceil((double)model->n_pieces / threads);
-    const double walls = model->n_pieces ? model->walls_us * rounds / model->n_pieces : 0;
     const double jobs = threads > 1 ? model->n_jobs * model->job_us : 0;
-    const double us = model->serial_us + blocks + walls + jobs;
+    const double us = model->serial_us + blocks + walls_us(model, threads) + jobs;
     return threads > 1 ? fmax(us, 1e3 * model->bytes_mb / model->bandwidth_gb_per_s) : us;
 }

@@ -7,8 +7,10 @@
 struct scaling_model {
     int n_blocks;
     const double *block_us;              /* [n_blocks] */
-    double walls_us;                     /* of all walls, in pieces */
-    int n_pieces, n_jobs;                /* of the walls; all jobs of a step, those of the walls among them */
+    double walls_us;                     /* of all walls */
+    int n_axes;                          /* whose walls are done one axis after the other, */
+    const int *n_pieces;                 /* [n_axes] in so many pieces */
+    int n_jobs;                          /* all jobs of a step, those of the walls among them */
     double serial_us;                    /* the rest, which one thread does */
     double job_us;                       /* to hand out a job and to wait for its end */
     double bytes_mb, bandwidth_gb_per_s; /* that a step moves, and that all cores together can */

@@ -1,5 +1,6 @@
 #include "bench/timing.h"
 
+#include <limits.h>
 #include <linux/perf_event.h>
 #include <math.h>
 #include <stdint.h>
@@ -10,6 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "common/bus.h"
 #include "sim/base/aligned_array.h"
 
 enum { BLOCKS_MAX = 100 };
@@ -127,23 +129,29 @@ struct timing_core timing_core(void)
     return most;
 }
 
-double timing_stream_gb_per_s(double bytes)
+static void add_one(void *context, int first, int end)
 {
+    double *array = context;
+    for (int i = first; i < end; i++)
+        array[i] += 1;
+}
+
+double timing_stream_gb_per_s(double bytes, struct thread_team *team)
+{
+    enum { GRAIN = 1 << 17, PASSES = 6 };
+    const bool alone = thread_team_in_use(team) == 1;
     double least_us = INFINITY, *array = NULL;
-    const size_t count = (size_t)(bytes / sizeof *array) + 1, passes = 1 + (size_t)(1e7 / bytes);
-    if (array_resize(&array, sizeof *array, count, 0) != STATUS_OK)
+    const int count = (int)fmin(bytes / sizeof *array + 1, INT_MAX - ARRAY_PADDING), turns = 1 + (int)(1e7 / bytes);
+    if (array_resize(&array, sizeof *array, (size_t)count, 0) != STATUS_OK)
         return 0;
-    for (int k = 0; k < 5; k++) {
-        double start = cpu_now_us();
-        for (size_t pass = 0; pass < passes; pass++) {
-            for (size_t i = 0; i < count; i++)
-                array[i] += 1;
-            __asm__ volatile("" ::"r"(array) : "memory");
-        }
-        least_us = fmin(least_us, cpu_now_us() - start);
+    for (int k = 0; k < PASSES; k++) { /* the first one takes the memory */
+        const double start_us = alone ? cpu_now_us() : 1e6 * clock_now_s();
+        for (int turn = 0; turn < turns; turn++)
+            team_run_ranges(team, count, GRAIN, add_one, array);
+        least_us = fmin(least_us, (alone ? cpu_now_us() : 1e6 * clock_now_s()) - start_us);
     }
     free(array);
-    return 2e-3 * (double)(passes * count * sizeof *array) / least_us;
+    return 2e-3 * (double)turns * (double)count * sizeof *array / least_us;
 }
 
 void timing_core_print(const struct timing_core *before, const struct timing_core *after)

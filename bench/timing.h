@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "common/status.h"
+#include "sim/base/thread_team.h"
 
 struct timing {
     double least_us, median_us; /* of one call; the least is the machine undisturbed */
@@ -31,9 +32,9 @@ struct timing_core {
 };
 struct timing_core timing_core(void);
 
-/* What memory of this size gives one thread that reads it, adds, and writes it back, in order: bytes read and written
- * [GB/s], the most of 5 passes; 0 if there is no room. */
-double timing_stream_gb_per_s(double bytes);
+/* What memory of this size gives the threads at work in the team (NULL: the caller) that read it, add, and write it
+ * back, in order: bytes read and written [GB/s], the most of 5 passes; 0 if there is no room. */
+double timing_stream_gb_per_s(double bytes, struct thread_team *team);
 
 /* Both before and after a measurement: a line on stdout, and {"ghz": [before, after], "additions_per_ns": [...]}. */
 void timing_core_print(const struct timing_core *before, const struct timing_core *after);

@@ -270,12 +270,27 @@ static void time_of_the_last_loop(void **state)
 {
     (void)state;
     double us = 0;
-    must(peers_read_loop(LAMMPS_LOG, &us));
+    must(peers_read_loop(LAMMPS_LOG, 1, &us));
     assert_close("LAMMPS [us]", us, 125, 1e-10);
-    must(peers_read_loop(LIGGGHTS_LOG, &us));
+    must(peers_read_loop(LIGGGHTS_LOG, 1, &us));
     assert_close("LIGGGHTS [us]", us, 250, 1e-10);
-    must(peers_read_loop(OUR_LOG, &us));
+    must(peers_read_loop(OUR_LOG, 1, &us));
     assert_close("ours [us]", us, 10, 1e-11);
+}
+
+/* Of ranks: the wall time of the loop, which they have in common. */
+static void time_of_a_loop_of_ranks(void **state)
+{
+    (void)state;
+    static const char log[] = "Loop time of 3.0 on 2 procs for 50 steps with 100000 atoms\n\n"
+                              "99.1% CPU use with 2 MPI tasks x 1 OpenMP threads\n"
+                              "Loop time of 2.5 on 2 procs for 500 steps with 100000 atoms\n";
+    double us = 0;
+    must(peers_read_loop(log, 2, &us));
+    assert_close("two ranks [us]", us, 5000, 1e-10);
+    assert_int_equal(peers_read_loop(log, 1, &us), STATUS_FORMAT);
+    assert_int_equal(peers_read_loop(log, 4, &us), STATUS_FORMAT);
+    assert_int_equal(peers_read_loop(LAMMPS_LOG, 2, &us), STATUS_FORMAT); /* mpirun of a program without MPI */
 }
 
 static void logs_without_a_time_are_refused(void **state)
@@ -289,7 +304,7 @@ static void logs_without_a_time_are_refused(void **state)
                                       "sim: error: broken\n"};
     double us;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
-        assert_int_equal(peers_read_loop(bad[k], &us), STATUS_FORMAT);
+        assert_int_equal(peers_read_loop(bad[k], 1, &us), STATUS_FORMAT);
 }
 
 #define DUMP_HEAD(step)                                                                                                \
@@ -411,13 +426,17 @@ static void contacts_forget(void **state)
 static const char FAKE_PEER[] = "#!/bin/sh\n"
                                 "echo left >log.peer && [ -f physics.data ] && cat \"$2\"\n";
 
-static void write_fake(const char *folder)
+/* mpirun -np N PROGRAM ...: says how many ranks, and starts one. */
+static const char FAKE_MPIRUN[] = "#!/bin/sh\n"
+                                  "[ \"$1\" = -np ] && echo \"$2 ranks\" && shift 2 && exec \"$@\"\n";
+
+static void write_fake(const char *folder, const char *name, const char *text)
 {
     char path[128];
-    snprintf(path, sizeof path, "%s/lmp", folder);
+    snprintf(path, sizeof path, "%s/%s", folder, name);
     FILE *file = fopen(path, "w");
     assert_non_null(file);
-    assert_true(fputs(FAKE_PEER, file) >= 0);
+    assert_true(fputs(text, file) >= 0);
     assert_int_equal(fclose(file), 0);
     assert_int_equal(chmod(path, 0755), 0);
 }
@@ -434,18 +453,26 @@ static void a_peer_runs_in_its_folder(void **state)
     assert_non_null(mkdtemp(here));
     assert_int_equal(chdir(here), 0);
     must(folder_make("its"));
-    write_fake(here);
+    write_fake(here, "lmp", FAKE_PEER);
+    write_fake(here, "mpirun", FAKE_MPIRUN);
     snprintf(path, sizeof path, "%s:%s", here, getenv("PATH"));
     assert_int_equal(setenv("PATH", path, 1), 0);
     must(peers_run(&input, f.sample, "its", "physics"));
     must(file_read("its/physics.log", &text));
     assert_non_null(strstr(text, "read_data physics.data\n"));
+    assert_null(strstr(text, "ranks"));
+    free(text);
+    input.processes = 3;
+    must(peers_run(&input, f.sample, "its", "physics"));
+    must(file_read("its/physics.log", &text));
+    assert_true(strncmp(text, "3 ranks\n", 8) == 0 && strstr(text, "read_data physics.data\n"));
     free(text);
     for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
         snprintf(path, sizeof path, "its/%s", files[k]);
         assert_int_equal(remove(path), 0);
     }
     assert_int_equal(remove("lmp"), 0);
+    assert_int_equal(remove("mpirun"), 0);
     assert_int_equal(remove("its"), 0);
     assert_int_equal(remove(here), 0); /* nothing else was left */
     assert_int_equal(chdir("/"), 0);
@@ -455,14 +482,23 @@ static void a_peer_runs_in_its_folder(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(packing_is_what_we_have),   cmocka_unit_test(packing_in_three_dimensions_spins),
-        cmocka_unit_test(lammps_is_told_the_scene),  cmocka_unit_test(liggghts_is_told_the_scene),
-        cmocka_unit_test(time_of_the_last_loop),     cmocka_unit_test(logs_without_a_time_are_refused),
-        cmocka_unit_test(dump_gives_the_last_state), cmocka_unit_test(broken_dumps_are_refused),
-        cmocka_unit_test(difference_of_states),      cmocka_unit_test(last_stage_alone),
-        cmocka_unit_test(contacts_forget),           cmocka_unit_test(a_peer_runs_in_its_folder),
-        cmocka_unit_test(both_are_told_hertz),       cmocka_unit_test(tsuji_is_told_another_restitution),
-        cmocka_unit_test(states_follow_each_other),  cmocka_unit_test(snapshots_in_turn),
+        cmocka_unit_test(packing_is_what_we_have),
+        cmocka_unit_test(packing_in_three_dimensions_spins),
+        cmocka_unit_test(lammps_is_told_the_scene),
+        cmocka_unit_test(liggghts_is_told_the_scene),
+        cmocka_unit_test(time_of_the_last_loop),
+        cmocka_unit_test(time_of_a_loop_of_ranks),
+        cmocka_unit_test(logs_without_a_time_are_refused),
+        cmocka_unit_test(dump_gives_the_last_state),
+        cmocka_unit_test(broken_dumps_are_refused),
+        cmocka_unit_test(difference_of_states),
+        cmocka_unit_test(last_stage_alone),
+        cmocka_unit_test(contacts_forget),
+        cmocka_unit_test(a_peer_runs_in_its_folder),
+        cmocka_unit_test(both_are_told_hertz),
+        cmocka_unit_test(tsuji_is_told_another_restitution),
+        cmocka_unit_test(states_follow_each_other),
+        cmocka_unit_test(snapshots_in_turn),
         cmocka_unit_test(a_copy_is_its_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

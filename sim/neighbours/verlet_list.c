@@ -288,9 +288,21 @@ static void swap_lists(struct contact_list *a, struct contact_list *b)
     *b = swap;
 }
 
+/* One of the two lists is made at a time, and the working memory is needed for that alone. */
+static void hand_over_work(struct contact_list *from, struct contact_list *to)
+{
+    free(to->scratch);
+    to->scratch = from->scratch;
+    to->scratch_size = from->scratch_size;
+    from->scratch = NULL;
+    from->scratch_size = 0;
+}
+
 static enum status build_pairs(struct verlet_list *nb, const struct particles *p, struct contact_list *pairs)
 {
     struct contact_list *fresh = &nb->spare_pairs;
+    if (pairs->scratch)
+        hand_over_work(pairs, fresh);
     TRY(cell_list_sort(&nb->cells, p, nb->skin, nb->team));
     TRY(nb->team ? find_pairs_together(nb, p, fresh, pairs) : find_pairs(nb, p, fresh, pairs));
     fresh->search_max = pairs->search_max;

@@ -8,8 +8,9 @@
 #include "sim/sample/halo.h"
 #include "sim/sample/thread_choice.h"
 
-/* Sets in a piece of a wall's contacts: short, so that all threads have some, but longer than it takes to hand out. */
-enum { THREADS_PIECE_SETS = 32 };
+/* Sets in a piece of a wall's contacts: short, so that many threads have some (a wall of 1e5 spheres has 135 sets), but
+ * longer than it takes to hand out. */
+enum { THREADS_PIECE_SETS = 8 };
 
 /* Of the particles: those of one span. */
 struct threads_part {
