@@ -3,6 +3,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* On a straight way the normal turns by more than 90 degrees where the distance of the centres falls below 1/sqrt(2) of
+ * the sum of the radii: an overlap of 0.29 of that sum. Small grains that slide along large ones overlap by less. */
+static const double DEEP = 0.25;
+
 static int by_ids(const void *a, const void *b)
 {
     const struct passing_pair *x = a, *y = b;
@@ -30,7 +34,7 @@ static void turned_count(struct passing_watch *watch, const struct sample *sampl
         (void)normal_of(p, p->slot[pair->i], p->slot[pair->j], now);
         for (int c = 0; c < p->dimension; c++)
             along += now[c] * pair->normal[c];
-        if (along >= 0 || sample->step - pair->since > PASSING_WATCH_TURN_STEPS)
+        if (along >= 0 || pair->overlap < DEEP || sample->step - pair->since > PASSING_WATCH_TURN_STEPS)
             continue;
         watch->passed++;
         watch->last[0] = pair->i;
@@ -65,11 +69,16 @@ static size_t touching_collect(const struct passing_watch *watch, const struct s
         const bool rising = p->id[list->i[k]] < p->id[list->j[k]];
         const int i = rising ? list->i[k] : list->j[k], j = rising ? list->j[k] : list->i[k];
         struct passing_pair now = {.i = p->id[i], .j = p->id[j], .since = sample->step};
-        if (normal_of(p, i, j, now.normal) >= p->radius[i] + p->radius[j])
+        const double overlap = p->radius[i] + p->radius[j] - normal_of(p, i, j, now.normal);
+        if (overlap <= 0)
             continue;
+        const double part = overlap / (p->radius[i] + p->radius[j]);
         const struct passing_pair *known =
             watch->n > 0 ? bsearch(&now, watch->pair, watch->n, sizeof now, by_ids) : NULL;
-        watch->next[n++] = known && sample->step - known->since <= PASSING_WATCH_TURN_STEPS ? *known : now;
+        if (known && sample->step - known->since <= PASSING_WATCH_TURN_STEPS)
+            now = *known;
+        now.overlap = fmax(now.overlap, part);
+        watch->next[n++] = now;
     }
     return n;
 }

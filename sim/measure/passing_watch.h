@@ -1,18 +1,19 @@
-/* Sees particles that pass through each other: pairs whose normal turns round while, or right after, they touch. */
+/* Sees particles that pass through each other: pairs that overlap deeply, and whose normal turns round meanwhile. */
 #ifndef SHAKEDOWN_SIM_MEASURE_PASSING_WATCH_H
 #define SHAKEDOWN_SIM_MEASURE_PASSING_WATCH_H
 
 #include "sim/sample/sample.h"
 
-/* A normal may not turn by more than 90 degrees within so many steps: longer contacts are of particles that roll about
- * each other. */
-enum { PASSING_WATCH_TURN_STEPS = 256 };
+/* The normal of such a pair may not turn by more than 90 degrees within so many steps: longer contacts are of particles
+ * that roll about each other. */
+enum { PASSING_WATCH_TURN_STEPS = 64 };
 
 /* Particles that touched at the last look, by their ids, i < j. */
 struct passing_pair {
     int32_t i, j;
     int64_t since;    /* step at which the normal was that: */
     double normal[3]; /* from j to i, of any length */
+    double overlap;   /* the largest since, over the sum of the radii */
 };
 
 struct passing_watch {

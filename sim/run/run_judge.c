@@ -15,8 +15,8 @@
 /* Contacts shorter than this many steps are coarse; a sample is at rest below these figures; overlaps beyond this part
  * of the smaller radius bend the law of spheres; the ledger is to close to this part of the energy that passed. */
 static const double COARSE_STEPS = 6, REST_ENERGY = 1e-3, REST_FORCE = 1e-2, WIDE_OVERLAP = 0.05, OPEN_LEDGER = 0.01;
-/* An overlap of both radii is a particle that comes out on the other side; half of it is near enough. */
-static const double PASSING = 1;
+/* An overlap of both radii is a particle that comes out on the other side; contacts of slower ones are looked at. */
+static const double PASSING = 2;
 /* Particles that could overlap by so much come and go between looks: their contacts are looked at every few steps, of
  * which a contact has 12 to 20; and those that are twice as fast at every step. */
 static const double HURRYING = 0.25;
