@@ -1,15 +1,16 @@
 /* bench_scaling [--dimension 2|3] [--precision double|mixed] [--counts N,N,...] [--threads T,T,...] [--ordered]
- * [--busy] [--bandwidth GB/s] [--json FILE]: cost of a particle-step against the number of particles, dense packings
- * with the radii and materials of scenes A (2D) and B (3D). A packing is a jittered lattice at the solid fraction that
- * gives the scene's number of contacts, relaxed for a few hundred steps under strong damping. The skin is about what
- * scenes A and B choose when they are tested, for all sizes, so that a particle has as many candidates: tuned, it would
- * be wider the faster the fastest of all particles is. Particles get their places at random, as after long mixing;
+ * [--busy] [--bandwidth GB/s] [--cache MB] [--json FILE]: cost of a particle-step against the number of particles,
+ * dense packings with the radii and materials of scenes A (2D) and B (3D). A packing is a jittered lattice at the solid
+ * fraction that gives the scene's number of contacts, relaxed for a few hundred steps under strong damping. The skin is
+ * about what scenes A and B choose when they are tested, for all sizes, so that a particle has as many candidates:
+ * tuned, it would be wider the faster the fastest of all particles is. Particles get their places at random, as after
+ * long mixing;
  * --ordered keeps them in rows. Times are the least of several blocks; beside them stands what the core could do, the
  * less of before and after (timing.h). Below the rows of a sample, for each number of threads: how many times as fast
  * as with the first of them, one thread, a step, its parts and a build of the lists are, how much of that number is
  * reached, and which part of the time would have to be serial to explain it (Amdahl). And a model of a step on more
- * cores (scaling_model.h) that can move --bandwidth GB/s together. All threads are at work while steps and parts are
- * timed.
+ * cores (scaling_model.h) that can move --bandwidth GB/s together, where their caches, --cache MB each, do not hold the
+ * sample. All threads are at work while steps and parts are timed.
  * --busy: instead, steps beside a program that keeps a core busy (scaling_busy.h).
  */
 #include <inttypes.h>
@@ -19,6 +20,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "bench/lattice_sample.h"
 #include "bench/scaling_busy.h"
@@ -43,12 +45,14 @@ struct row {
     const char *precision;
     int count, contacts, candidates, threads;
     double memory_mb;           /* that the process had at most while it packed the sample and went through steps */
+    double data_mb;             /* that a step needs */
     double bytes_mb, stream_us; /* that a step moves, and as long as it takes to move as many in order */
     struct timing_core before, after;
     double setup_s, step_us, pair_us, walls_us, drift_us, kick_us, build_us;
     double *block_us;          /* least time of each block, with one thread; NULL: not cut into blocks */
     int n_blocks, n_pieces[3]; /* of the walls of each axis, which are done at the same time */
-    double rest_us;            /* of a step outside of blocks */
+    double in_step_us;         /* of the walls in such steps: longer than again and again, when caches have them */
+    double rest_us;            /* of a step outside of blocks and walls */
     double job_us;             /* a job without pieces that take any time */
     double builds_per_step;    /* of the lists, while steps were timed: how fast the particles of this sample move */
 };
@@ -150,11 +154,11 @@ static enum status time_parts(struct sample *sample, struct row *row)
     return STATUS_OK;
 }
 
-/* Bytes read and written in a step, walls left aside, if what the parts hand over does not stay in a cache: pairs read
- * row, reach (mixed: and where it was built) and history of each slot, records and columns, and add to the sums;
- * advance reads the sums and zeroes their rows, reads constants, reads and writes what steps go on with (double: x, v,
+/* Bytes of a step, walls left aside. Moved are, if what the parts hand over does not stay in a cache: pairs read row,
+ * reach (mixed: and where it was built) and history of each slot, records and columns, and add to the sums; advance
+ * reads the sums and zeroes their rows, reads constants, reads and writes what steps go on with (double: x, v,
  * rotations and their views, beside x_list; mixed: the views and a rest of each) and writes the records. */
-static double bytes_moved(const struct sample *sample)
+static void count_bytes(const struct sample *sample, struct row *row)
 {
     const struct particles *p = &sample->particles;
     const int d = p->dimension, s = p->n_rotations, real = p->mixed ? 4 : 8;
@@ -162,14 +166,24 @@ static double bytes_moved(const struct sample *sample)
     int history = 0;
     for (int c = 0; c < HISTORY_COLUMNS; c++)
         history += history_has(&sample->pairs.model, c) ? real : 0;
-    const int slot = 4 + real + (p->mixed ? (d + 1) * real : 0) + 2 * history;
+    const int constant = 4 + real + (p->mixed ? (d + 1) * real : 0);
     const int positions = d * real, velocities = (d + s) * real, radius = s ? real : 0;
     const int lags = s ? velocities : 0;
     const int pair =
         record + positions + velocities + lags + radius + 2 * (rows + velocities); /* columns are velocities' size */
     const int state = p->mixed ? 4 * (positions + velocities) : 8 * (2 * (d + d + s) + d) + 2 * velocities;
     const int factors = (s ? 3 : 1) * real, advance = 2 * rows + velocities + lags + state + factors + record;
-    return (double)slot * SET_WIDTH * sample->pairs.n_sets + (double)(pair + advance) * p->count;
+    const int own = p->mixed ? 2 * (positions + velocities) : 8 * (d + d + s + d) + velocities;
+    const double slots = (double)SET_WIDTH * sample->pairs.n_sets;
+    row->bytes_mb = 1e-6 * ((constant + 2 * history) * slots + (double)(pair + advance) * p->count);
+    row->data_mb = 1e-6 * ((constant + history) * slots +
+                           (double)(record + rows + velocities + lags + own + factors + radius) * p->count);
+}
+
+/* What each core has of caches [MB]: as told, or its own second one alone; 0: the system does not say. */
+static double cache_mb(const char *told)
+{
+    return told ? strtod(told, NULL) : 1e-6 * fmax((double)sysconf(_SC_LEVEL2_CACHE_SIZE), 0);
 }
 
 static const double PIECE_S = 5e-6;
@@ -197,7 +211,7 @@ static void time_jobs(struct sample *sample, struct row *row)
     }
 }
 
-/* With one thread: the least time of each block in steps that do not build the lists. */
+/* With one thread: the least time of each block, and of all walls, in steps that do not build the lists. */
 static enum status time_blocks(struct sample *sample, struct row *row)
 {
     enum { STEPS = 40 };
@@ -214,11 +228,12 @@ static enum status time_blocks(struct sample *sample, struct row *row)
         row->n_pieces[w / 2] += (sample->walls[w].contacts.n_sets + THREADS_PIECE_SETS - 1) / THREADS_PIECE_SETS;
     for (int b = 0; b < n; b++)
         row->block_us[b] = INFINITY;
-    row->rest_us = INFINITY;
+    row->rest_us = row->in_step_us = INFINITY;
     for (int k = 0; k < STEPS; k++) {
         const double start = clock_now_s();
         TRY(sample_step_open(sample));
-        double rest_us = 1e6 * (clock_now_s() - start);
+        double rest_us = 1e6 * (clock_now_s() - start - threads->walls_s);
+        row->in_step_us = fmin(row->in_step_us, 1e6 * threads->walls_s);
         for (int b = 0; k > 0 && b < n; b++) {
             row->block_us[b] = fmin(row->block_us[b], 1e6 * threads->block_s[b]);
             rest_us -= 1e6 * threads->block_s[b];
@@ -266,7 +281,7 @@ static enum status measure_world(struct sample *sample, const struct lattice_kin
     row->contacts = measure_contacts(sample_complete(sample), NULL);
     row->candidates = sample->pairs.count;
     row->memory_mb = peak_mb();
-    row->bytes_mb = 1e-6 * bytes_moved(sample);
+    count_bytes(sample, row);
     row->before = timing_core();
     TRY(time_parts(sample, row));
     TRY(time_blocks(sample, row));
@@ -342,7 +357,7 @@ static void report_gains(const struct row *one, const struct row *row)
 
 /* The model's step on P cores; `two`: with the threads whose jobs were timed. */
 static void report_model(const struct lattice_kind *kind, const struct row *one, const struct row *two,
-                         double bandwidth)
+                         double bandwidth, double cache)
 {
     const int jobs = 2 + kind->dimension, most = 64; /* blocks, what was left to others, and walls */
     double blocks_us = 0;
@@ -350,11 +365,23 @@ static void report_model(const struct lattice_kind *kind, const struct row *one,
         return;
     for (int b = 0; b < one->n_blocks; b++)
         blocks_us += one->block_us[b];
-    const double rest = one->rest_us - one->walls_us;
-    const struct scaling_model model = {one->n_blocks, one->block_us, one->walls_us, kind->dimension, one->n_pieces,
-                                        jobs,          fmax(rest, 0), two->job_us,   one->bytes_mb,   bandwidth};
-    printf("%8d, model, %d blocks, %.0f us + %.0f us walls + %.0f us serial, %.1f us a job, %.0f GB/s:", one->count,
-           one->n_blocks, blocks_us, one->walls_us, fmax(rest, 0), two->job_us, bandwidth);
+    const double serial_us = fmax(one->rest_us, 0);
+    const struct scaling_model model = {.n_blocks = one->n_blocks,
+                                        .block_us = one->block_us,
+                                        .walls_us = one->in_step_us,
+                                        .n_axes = kind->dimension,
+                                        .n_pieces = one->n_pieces,
+                                        .n_jobs = jobs,
+                                        .serial_us = serial_us,
+                                        .job_us = two->job_us,
+                                        .bytes_mb = one->bytes_mb,
+                                        .bandwidth_gb_per_s = bandwidth,
+                                        .data_mb = one->data_mb,
+                                        .cache_mb = cache};
+    printf("%8d, model, %d blocks, %.0f us + %.0f us walls + %.0f us serial, %.1f us a job, %.0f GB/s, %.1f of %.1f MB "
+           "cached a core:",
+           one->count, one->n_blocks, blocks_us, one->in_step_us, serial_us, two->job_us, bandwidth, cache,
+           one->data_mb);
     for (int threads = 2; threads <= most; threads *= 2)
         printf(" %d: %.2f", threads, scaling_model_step_us(&model, 1) / scaling_model_step_us(&model, threads));
     printf("; measured %d: %.2f\n", two->threads, one->step_us / two->step_us);
@@ -373,7 +400,7 @@ static int parse_list(const char *text, int *list)
 }
 
 struct options {
-    const char *dimension, *precision, *counts, *threads, *json, *bandwidth;
+    const char *dimension, *precision, *counts, *threads, *json, *bandwidth, *cache;
     bool ordered, busy;
 };
 
@@ -417,7 +444,7 @@ static enum status bench_count(const struct lattice_kind *kind, const char *prec
     for (int k = 1; k < n && status == STATUS_OK; k++)
         report_gains(&row[0], &row[k]);
     if (n > 1 && status == STATUS_OK)
-        report_model(kind, &row[0], &row[1], strtod(options->bandwidth, NULL));
+        report_model(kind, &row[0], &row[1], strtod(options->bandwidth, NULL), cache_mb(options->cache));
     for (int k = 0; k < n; k++)
         free(row[k].block_us);
     return status;
@@ -432,7 +459,7 @@ static enum status bench_kind(const struct lattice_kind *kind, const char *preci
     if (n_counts == 0 || n_threads == 0)
         return status_fail(STATUS_USAGE,
                            "usage: bench_scaling [--dimension 2|3] [--precision double|mixed] [--counts N,N,...] "
-                           "[--threads T,...] [--ordered] [--busy] [--bandwidth GB/s] [--json FILE]");
+                           "[--threads T,...] [--ordered] [--busy] [--bandwidth GB/s] [--cache MB] [--json FILE]");
     for (int n = 0; n < n_counts; n++)
         TRY(bench_count(kind, precision, count[n], threads, n_threads, options, rows));
     return STATUS_OK;

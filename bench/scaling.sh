@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Cost of a particle-step against the number of particles, with shares of the phases and of list builds:
-# ./shakedown bench scaling [--dimension 2|3] [--precision double|mixed] [--counts N,N,...] [--threads T,T,...] [--busy] [--json FILE] [--plot PNG]
+# ./shakedown bench scaling [--dimension 2|3] [--precision double|mixed] [--counts N,N,...] [--threads T,T,...] [--busy] [--bandwidth GB/s] [--cache MB] [--json FILE] [--plot PNG]
 # The whole of it takes about ten minutes and 2.5 GB of memory. --plot also takes a table printed before: --table FILE.
 set -euo pipefail
 # shellcheck source=options.sh
 . "${BASH_SOURCE[0]%/*}/options.sh"
 
-read_options '--busy' '--dimension --precision --counts --threads --bandwidth --json --plot --table' '--plot --table' "$@"
+read_options '--busy' '--dimension --precision --counts --threads --bandwidth --cache --json --plot --table' '--plot --table' "$@"
 table=${given[--table]:-}
 if [ -z "$table" ]; then
     table=$(mktemp)

@@ -1,6 +1,7 @@
 #include "bench/scaling_model.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 enum { THREADS_MAX = 256 };
 
@@ -54,5 +55,6 @@ double scaling_model_step_us(const struct scaling_model *model, int threads)
     const double blocks = scaling_model_makespan(model->block_us, model->n_blocks, threads);
     const double jobs = threads > 1 ? model->n_jobs * model->job_us : 0;
     const double us = model->serial_us + blocks + walls_us(model, threads) + jobs;
-    return threads > 1 ? fmax(us, 1e3 * model->bytes_mb / model->bandwidth_gb_per_s) : us;
+    const bool cached = model->data_mb <= threads * model->cache_mb;
+    return threads > 1 && !cached ? fmax(us, 1e3 * model->bytes_mb / model->bandwidth_gb_per_s) : us;
 }

@@ -14,13 +14,15 @@ struct scaling_model {
     double serial_us;                    /* the rest, which one thread does */
     double job_us;                       /* to hand out a job and to wait for its end */
     double bytes_mb, bandwidth_gb_per_s; /* that a step moves, and that all cores together can */
+    double data_mb, cache_mb;            /* that a step needs; and what each core has of caches, part of shared ones */
 };
 
 /* Longest time that one of `threads` threads works on pieces that take so long each, every thread beginning with a
  * share of pieces side by side and going on with those of the others; threads <= 256 [us]. */
 double scaling_model_makespan(const double *piece_us, int n, int threads);
 
-/* Time of a step with so many threads [us]; all of it with one. */
+/* Time of a step with so many threads [us]; all of it with one. No less than its bytes over the bandwidth, unless the
+ * caches of so many cores hold its data. */
 double scaling_model_step_us(const struct scaling_model *model, int threads);
 
 #endif

@@ -16,3 +16,10 @@ set_tests_properties(bench_accuracy PROPERTIES LABELS unit TIMEOUT 30)
 add_test(NAME bench_impacts COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_impacts.sh $<TARGET_FILE:bench_impacts>
                                     ${PROJECT_SOURCE_DIR}/scenes/benchmarks $<TARGET_FILE:sim>)
 set_tests_properties(bench_impacts PROPERTIES LABELS physics TIMEOUT 60)
+
+# The model of a step on many cores.
+add_executable(test_scaling_model ${CMAKE_CURRENT_LIST_DIR}/test_scaling_model.c ${PROJECT_SOURCE_DIR}/bench/scaling_model.c)
+target_include_directories(test_scaling_model PRIVATE ${PROJECT_SOURCE_DIR})
+target_link_libraries(test_scaling_model PRIVATE PkgConfig::CMOCKA m)
+add_test(NAME bench_scaling_model COMMAND test_scaling_model)
+set_tests_properties(bench_scaling_model PROPERTIES LABELS unit TIMEOUT 30)

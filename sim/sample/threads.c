@@ -259,6 +259,7 @@ void threads_walls(struct threads *threads, const struct kernels *kernels, struc
                    int n_walls, const struct contact_law_constants *law_of_axis, double dt_s,
                    struct contact_losses *losses)
 {
+    const double start = threads->block_s ? now_s() : 0;
     for (int w = 0; w < n_walls && threads->n_parts == 1; w++)
         kernels->wall(p, &walls[w], &law_of_axis[w / 2], dt_s, losses);
     for (int w = 0, n; w < n_walls && threads->n_parts > 1; w += n) {
@@ -270,6 +271,8 @@ void threads_walls(struct threads *threads, const struct kernels *kernels, struc
         for (int k = 0; k < n; k++)
             piece = add_pieces(piece, &walls[w + k], losses);
     }
+    if (threads->block_s)
+        threads->walls_s = now_s() - start;
 }
 
 struct drift_work {

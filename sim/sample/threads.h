@@ -34,6 +34,7 @@ struct threads {
     struct halo halo;
     struct contact_losses *losses; /* [halo.blocks_max] */
     double *block_s;               /* [halo.blocks_max] time of each block in the last step; NULL: nobody asks */
+    double walls_s;                /* and of all walls, in steps that somebody asks about */
     struct threads_piece *piece;   /* [piece_capacity] */
     int piece_capacity;
     bool apart[3]; /* no particle can touch both walls of an axis */
