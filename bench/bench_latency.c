@@ -145,7 +145,7 @@ static void lcm_wait(struct end *end, int64_t k)
 {
     bool handled = true;
     while (end->seen != k && handled)
-        must_ok(bus_wait(&end->bus, GIVE_UP_MS, end->busy, &handled));
+        must_ok(bus_wait(&end->bus, 1e-3 * GIVE_UP_MS, end->busy, &handled));
     if (!handled) {
         fprintf(stderr, "bench_latency: error: a message was lost\n");
         exit(STATUS_TIMEOUT);

@@ -5,8 +5,9 @@
  *
  * FAULTS_ONCE=PATH: each of these strikes once in all, and leaves the file PATH.K (K = 0, 1, ...).
  *
- * FAULTS_NET=loss=P,duplicate=P,reorder=P,delay_s=T[,seed=N]: datagrams of all processes: probabilities, and a delay;
- * `reorder` delays by 1 ms more, so that later ones overtake. */
+ * FAULTS_NET=loss=P,deaf=P,duplicate=P,reorder=P,delay_s=T[,seed=N]: datagrams of all processes: probabilities, and a
+ * delay. What is lost reaches nobody, to what it is deaf a process misses alone; `reorder` delays by 1 ms more, so that
+ * later ones overtake. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -46,7 +47,7 @@ struct datagram {
 static struct strike strikes[STRIKES_MAX];
 static int n_strikes;
 static long calls[CALLS];
-static double loss, duplicate, reorder, delay_s;
+static double loss, deaf, duplicate, reorder, delay_s;
 static uint64_t random_state;
 static double clock_at_s, clock_step_s, begun_s;
 
@@ -59,6 +60,8 @@ static int (*real_rename)(const char *, const char *);
 static int (*real_fsync)(int);
 static ssize_t (*real_write)(int, const void *, size_t);
 static ssize_t (*real_sendmsg)(int, const struct msghdr *, int);
+static ssize_t (*real_recvmsg)(int, struct msghdr *, int);
+static ssize_t (*real_recv)(int, void *, size_t, int);
 static int (*real_clock_gettime)(clockid_t, struct timespec *);
 
 /* --- What is stood in for --- */
@@ -80,6 +83,8 @@ static void find_originals(void)
     *(void **)&real_fsync = original("fsync");
     *(void **)&real_write = original("write");
     *(void **)&real_clock_gettime = original("clock_gettime");
+    *(void **)&real_recvmsg = original("recvmsg");
+    *(void **)&real_recv = original("recv");
     *(void **)&real_sendmsg = original("sendmsg");
 }
 
@@ -238,8 +243,9 @@ static void net_read(const char *text)
         unsigned long long seed = 0;
         if (sscanf(word, "seed=%llu", &seed) == 1)
             random_state = seed;
-        else if (sscanf(word, "loss=%lf", &loss) != 1 && sscanf(word, "duplicate=%lf", &duplicate) != 1 &&
-                 sscanf(word, "reorder=%lf", &reorder) != 1 && sscanf(word, "delay_s=%lf", &delay_s) != 1)
+        else if (sscanf(word, "loss=%lf", &loss) != 1 && sscanf(word, "deaf=%lf", &deaf) != 1 &&
+                 sscanf(word, "duplicate=%lf", &duplicate) != 1 && sscanf(word, "reorder=%lf", &reorder) != 1 &&
+                 sscanf(word, "delay_s=%lf", &delay_s) != 1)
             refuse("FAULTS_NET", text);
     }
     for (const char *sign = program_invocation_short_name; *sign; sign++)
@@ -331,6 +337,35 @@ ssize_t sendmsg(int file, const struct msghdr *message, int flags)
     }
     count(CALL_SEND);
     return result;
+}
+
+/* A message of LCM that is not heard is one that nobody understands: who waits for it is not left waiting. */
+static void maybe_muffle(void *data)
+{
+    if (deaf <= 0 || memcmp(data, "LC0", 3) != 0)
+        return;
+    pthread_mutex_lock(&lock);
+    if (happens(deaf))
+        memcpy(data, "lost", 4);
+    pthread_mutex_unlock(&lock);
+}
+
+ssize_t recv(int file, void *data, size_t size, int flags)
+{
+    find_originals();
+    const ssize_t got = real_recv(file, data, size, flags);
+    if (got >= 4 && size >= 4)
+        maybe_muffle(data);
+    return got;
+}
+
+ssize_t recvmsg(int file, struct msghdr *message, int flags)
+{
+    find_originals();
+    const ssize_t got = real_recvmsg(file, message, flags);
+    if (got >= 4 && message->msg_iovlen > 0 && message->msg_iov[0].iov_len >= 4)
+        maybe_muffle(message->msg_iov[0].iov_base);
+    return got;
 }
 
 /* --- Begin and end --- */

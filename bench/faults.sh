@@ -302,6 +302,7 @@ net() { # KIND FAULTS
 trial_loss_1() { net loss_1 loss=0.01; }
 trial_loss_5() { net loss_5 loss=0.05; }
 trial_loss_20() { net loss_20 loss=0.2; }
+trial_deaf_20() { net deaf_20 deaf=0.2; }
 trial_duplicates() { net duplicates duplicate=0.2; }
 trial_reorder() { net reorder reorder=0.2; }
 trial_delay() { net delay delay_s=0.01; }
@@ -358,8 +359,8 @@ fi
 # --- The table -------------------------------------------------------------------------------------------------------
 
 read -ra kinds <<<"${given[--kinds]:-kill_sim kill_wallctl kill_recorder kill_launcher kill_all term_all signal_any \
-stop_any full_disk read_only folder_removed kills_many kills_at_calls loss_1 loss_5 loss_20 duplicates reorder delay \
-all_of_it clock_back}"
+stop_any full_disk read_only folder_removed kills_many kills_at_calls loss_1 loss_5 loss_20 deaf_20 duplicates reorder \
+delay all_of_it clock_back}"
 
 start_driver "$scene" "${settings[@]}" --out whole
 await_driver

@@ -1,6 +1,7 @@
 #include "common/bus.h"
 
 #include <errno.h>
+#include <math.h>
 #include <poll.h>
 #include <pthread.h>
 #include <sched.h>
@@ -306,19 +307,6 @@ enum status bus_publish(struct bus *bus, const char *channel, const void *data, 
     return STATUS_OK;
 }
 
-enum status bus_wait(struct bus *bus, int timeout_ms, bool busy, bool *handled)
-{
-    if (!busy)
-        return bus_handle(bus, timeout_ms, handled);
-    const double until = clock_now_s() + 1e-3 * timeout_ms;
-    for (;;) {
-        TRY(bus_handle(bus, 0, handled));
-        if (*handled || clock_now_s() >= until)
-            return STATUS_OK;
-        sched_yield(); /* whoever else waits for this core goes first: the recorder, or the one waited for */
-    }
-}
-
 /* Gives the next message of the log to those who have subscribed to its channel. */
 static enum status log_handle(struct bus *bus, bool *handled)
 {
@@ -335,7 +323,7 @@ static enum status log_handle(struct bus *bus, bool *handled)
 }
 
 /* lcm_handle_timeout is not used: when a signal interrupts its wait it goes on to block without a limit. */
-enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
+static enum status handle_within(struct bus *bus, double timeout_s, bool *handled)
 {
     *handled = false;
     if (bus->log) /* nobody to wait for */
@@ -343,9 +331,10 @@ enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
     if (bus->replay)
         return log_handle(bus, handled);
     if (bus->receiver)
-        return udp_receiver_handle(bus->receiver, timeout_ms, handled);
+        return udp_receiver_handle(bus->receiver, timeout_s, handled);
     struct pollfd waiting = {.fd = lcm_get_fileno(bus->lcm), .events = POLLIN};
-    int ready = poll(&waiting, 1, timeout_ms);
+    const struct timespec timeout = {(time_t)timeout_s, (long)(1e9 * fmod(timeout_s, 1))};
+    const int ready = ppoll(&waiting, 1, &timeout, NULL);
     if (ready < 0 && errno != EINTR)
         return status_fail(STATUS_BUS, "cannot wait for messages: %s", strerror(errno));
     if (ready <= 0)
@@ -354,4 +343,22 @@ enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
     if (!*handled)
         return status_fail(STATUS_BUS, "LCM cannot handle a message: %s", strerror(errno));
     return STATUS_OK;
+}
+
+enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
+{
+    return handle_within(bus, 1e-3 * timeout_ms, handled);
+}
+
+enum status bus_wait(struct bus *bus, double timeout_s, bool busy, bool *handled)
+{
+    if (!busy)
+        return handle_within(bus, timeout_s, handled);
+    const double until = clock_now_s() + timeout_s;
+    for (;;) {
+        TRY(handle_within(bus, 0, handled));
+        if (*handled || clock_now_s() >= until)
+            return STATUS_OK;
+        sched_yield(); /* whoever else waits for this core goes first: the recorder, or the one waited for */
+    }
 }

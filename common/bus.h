@@ -90,8 +90,9 @@ enum status bus_publish(struct bus *bus, const char *channel, const void *data, 
  * Not to be called from a handler. */
 enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled) MUST_USE;
 
-/* The same; `busy` looks again and again instead of sleeping: answers come sooner, and a core is always busy. */
-enum status bus_wait(struct bus *bus, int timeout_ms, bool busy, bool *handled) MUST_USE;
+/* The same, timed to a fraction of a millisecond; `busy` looks again and again instead of sleeping: answers come
+ * sooner, and a core is always busy. */
+enum status bus_wait(struct bus *bus, double timeout_s, bool busy, bool *handled) MUST_USE;
 
 /* Monotonic wall-clock time in seconds. */
 double clock_now_s(void);

@@ -12,13 +12,14 @@
 
 /* At most this much unacknowledged on the wire: below the default receive buffer of a socket. */
 enum { WINDOW_BYTES = 128 * 1024, WAITING_BYTES_MAX = 64 * 1024 * 1024 };
-enum { HANDLED_PER_SERVICE_MAX = 1024, WAIT_STEP_MS = 5 };
+enum { HANDLED_PER_SERVICE_MAX = 1024 };
+static const double WAIT_STEP_S = 0.001;
 /* Silence counts as a recorder that is gone only after as many repeats: a sender that seldom looks at its stream must
  * not blame the recorder for its own absence. */
 enum { REPEATS_BEFORE_TIMEOUT = 3 };
 /* What is not acknowledged after the measured round trip and four of its deviations (RFC 6298) goes out again; each
  * time in vain the wait doubles. */
-static const double RESEND_MIN_S = 0.01, RESEND_MAX_S = 0.1, RESEND_BACKOFF_MAX_S = 0.2;
+static const double RESEND_MIN_S = 0.002, RESEND_FIRST_S = 0.02, RESEND_MAX_S = 0.1, RESEND_BACKOFF_MAX_S = 0.2;
 /* What was sent this much before another one that has arrived is lost (RFC 8985). */
 static const double REORDER_MIN_S = 0.0005, REORDER_MAX_S = 0.01;
 /* A recorder that is heard but takes nothing, in timeouts; and the silence that is borne once the run is to stop. */
@@ -97,7 +98,7 @@ static double within(double low, double value, double high)
 
 static double resend_after_s(const struct record_sender *stream)
 {
-    double wait_s = round_trip_late_s(&stream->round_trip, RESEND_MIN_S, RESEND_MAX_S);
+    double wait_s = round_trip_late_s(&stream->round_trip, RESEND_MIN_S, RESEND_FIRST_S, RESEND_MAX_S);
     for (int k = 0; k < stream->repeats_without_progress && wait_s < RESEND_BACKOFF_MAX_S; k++)
         wait_s *= 2;
     return within(0, wait_s, RESEND_BACKOFF_MAX_S);
@@ -468,7 +469,7 @@ enum status record_sender_wait_for_walls(struct record_sender *stream, int64_t s
     if (stream->bus->is_log)
         return STATUS_OK;
     while (seq - stream->acked_walls >= WALLS_WINDOW) {
-        TRY(bus_handle(stream->bus, WAIT_STEP_MS, &handled));
+        TRY(bus_wait(stream->bus, WAIT_STEP_S, false, &handled));
         TRY(record_sender_service(stream));
     }
     return STATUS_OK;
@@ -530,7 +531,7 @@ static enum status waiting_reduce(struct record_sender *stream, size_t bytes)
     bool handled = false;
     TRY(record_sender_service(stream));
     while (stream->waiting_bytes > bytes) {
-        TRY(bus_handle(stream->bus, WAIT_STEP_MS, &handled));
+        TRY(bus_wait(stream->bus, WAIT_STEP_S, false, &handled));
         TRY(record_sender_service(stream));
     }
     return STATUS_OK;

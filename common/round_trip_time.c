@@ -13,9 +13,9 @@ void round_trip_note(struct round_trip *trip, double sample_s)
     trip->mean_s += 0.125 * error_s;
 }
 
-double round_trip_late_s(const struct round_trip *trip, double low_s, double high_s)
+double round_trip_late_s(const struct round_trip *trip, double low_s, double first_s, double high_s)
 {
     if (trip->mean_s <= 0)
-        return high_s;
+        return first_s;
     return fmax(low_s, fmin(trip->mean_s + 4 * trip->deviation_s, high_s));
 }

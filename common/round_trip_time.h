@@ -10,7 +10,7 @@ struct round_trip {
 void round_trip_note(struct round_trip *trip, double sample_s);
 
 /* After how long without an answer something counts as lost: the mean and four deviations, within low_s ... high_s;
- * high_s as long as nothing was measured. */
-double round_trip_late_s(const struct round_trip *trip, double low_s, double high_s);
+ * first_s as long as nothing was measured. */
+double round_trip_late_s(const struct round_trip *trip, double low_s, double first_s, double high_s);
 
 #endif

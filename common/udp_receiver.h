@@ -22,7 +22,7 @@ enum status udp_receiver_subscribe(struct udp_receiver *receiver, const char *ch
                                    void *user, void **handle) MUST_USE;
 void udp_receiver_unsubscribe(struct udp_receiver *receiver, void *handle);
 
-/* Handles one message if one comes within timeout_ms (0: only what is there). A signal ends the wait early. */
-enum status udp_receiver_handle(struct udp_receiver *receiver, int timeout_ms, bool *handled) MUST_USE;
+/* Handles one message if one comes within timeout_s (0: only what is there). A signal ends the wait early. */
+enum status udp_receiver_handle(struct udp_receiver *receiver, double timeout_s, bool *handled) MUST_USE;
 
 #endif

@@ -44,7 +44,11 @@ static void note_end_of_sim(struct supervisor *s, int code)
             stop_on_failure(s, ROLE_SIM, code);
         return;
     }
-    child_signal(&s->child[ROLE_CONTROLLER], SIGTERM); /* it has most likely seen END already */
+    /* It has most likely seen END already; if not, the second one says that none will come. */
+    child_signal(&s->child[ROLE_CONTROLLER], SIGTERM);
+    child_signal(&s->child[ROLE_CONTROLLER], SIGINT);
+    if (code == 0 || is_end_of_sim(ROLE_SIM, code)) /* the record is whole: nobody asks for END again */
+        child_signal(&s->child[ROLE_RECORDER], SIGTERM);
     supervisor_wait_at_most(s, s->level == STOP_NONE ? FINISH_WAIT_S : CLOSE_WAIT_S);
     if (killed && s->level < STOP_AT_ONCE) { /* no END can come */
         stop_to(s, STOP_ALL);

@@ -18,7 +18,7 @@ static const double PUBLISH_EVERY_S = 2.0, PUBLISH_TIMES = 50.0;
 static const double ROOM_EVERY_S = 0.5;
 /* Without its starter, nobody else would end a recorder whose simulator is gone. */
 static const double ORPHAN_PATIENCE_S = 60.0;
-static const double LINGER_S = 0.3, LINGER_MAX_S = 5.0, FAILED_ACKS_S = 0.5;
+static const double LINGER_S = 0.3, LINGER_STOPPED_S = 0.05, LINGER_MAX_S = 5.0, FAILED_ACKS_S = 0.5;
 
 struct recording_session;
 
@@ -191,12 +191,18 @@ static enum status record_until_end(struct recording_session *session)
     return STATUS_OK;
 }
 
+/* How long no copy of END has to come; the launcher stops a recorder whose sender has ended. */
+static double linger_s(void)
+{
+    return stop_requested() ? LINGER_STOPPED_S : LINGER_S;
+}
+
 /* Answers the copies of END until the sender has stopped asking. */
 static enum status linger(struct recording_session *session)
 {
     double start_s = clock_now_s(), last_end_s = start_s;
     TRY(send_ack(session));
-    for (double now_s = start_s; now_s - last_end_s < LINGER_S && now_s - start_s < LINGER_MAX_S;
+    for (double now_s = start_s; now_s - last_end_s < linger_s() && now_s - start_s < LINGER_MAX_S;
          now_s = clock_now_s()) {
         int64_t ends = session->ends;
         TRY(handle(session));

@@ -38,7 +38,8 @@ add_test(NAME faults_kills COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --n 1
          --kinds "kill_sim kill_wallctl kill_recorder kill_launcher kill_all")
 add_test(NAME faults_signals COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --n 3 --kinds "term_all signal_any")
 add_test(NAME faults_disk COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --n 1 --kinds "full_disk read_only folder_removed")
+add_test(NAME faults_net COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --n 1 --kinds "loss_20 deaf_20 all_of_it")
 add_test(NAME faults_signal_matrix COMMAND ${PROJECT_SOURCE_DIR}/bench/faults.sh --signals
          --kinds "TERM:all:* HUP:wallctl:mid INT:sim:last_flush KILL:recorder:last_flush TERM:all_in_one:last_flush")
-set_tests_properties(faults_kills faults_signals faults_disk faults_signal_matrix PROPERTIES LABELS fault TIMEOUT 300 SKIP_RETURN_CODE 125
+set_tests_properties(faults_kills faults_signals faults_disk faults_net faults_signal_matrix PROPERTIES LABELS fault TIMEOUT 300 SKIP_RETURN_CODE 125
                      ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")

@@ -66,6 +66,7 @@ case $name in
         stay "$silence"
         ;;
     recorder)
+        trap '' TERM # sim has ended: its END is on the way
         stay "$FAKE_PIPE"
         ;;
     analyzer)

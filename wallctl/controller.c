@@ -11,7 +11,7 @@
 #include "wallctl/control_law.h"
 
 /* How often the stop signals are looked at while nothing comes, and how long END is waited for after one. */
-enum { WAIT_STEP_MS = 100 };
+static const double WAIT_STEP_S = 0.1;
 static const double GRACE_S = 5;
 
 struct controller {
@@ -90,12 +90,13 @@ static enum status loop(struct controller *c)
     double stop_at_s = 0; /* 0: not asked to */
     while (!c->ended && c->failure == STATUS_OK) {
         bool handled = false;
-        TRY(bus_wait(c->bus, WAIT_STEP_MS, c->scene->coupling.busy_poll, &handled));
+        TRY(bus_wait(c->bus, WAIT_STEP_S, c->scene->coupling.busy_poll, &handled));
         if (!stop_requested())
             continue;
         if (stop_at_s <= 0)
             stop_at_s = clock_now_s() + GRACE_S;
-        if (!c->ended && (stop_request_count() > 1 || clock_now_s() > stop_at_s))
+        const bool at_once = stop_request_count() > 1 && !handled; /* END may be among what has come */
+        if (!c->ended && (at_once || clock_now_s() > stop_at_s))
             return status_fail(STATUS_INTERRUPTED, "stopped by a signal before END of run %" PRId64, c->run_id);
     }
     return c->failure;

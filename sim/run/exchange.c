@@ -9,9 +9,14 @@
 #include "sim/run/command_check.h"
 #include "wallctl/control_law.h"
 
-/* Without an answer the state is sent again when it is later than answers were so far, within these; each time in vain
- * the wait doubles. */
-static const double RESEND_MIN_S = 0.002, RESEND_FIRST_S = 0.02, RESEND_MAX_S = 0.1, RESEND_BACKOFF_MAX_S = 0.2;
+/* Without an answer the state is sent again when it is later than answers were so far, within these; after WAITS_EVEN
+ * times in vain the wait doubles each time. */
+static const double RESEND_MIN_S = 0.0001, RESEND_FIRST_S = 0.02, RESEND_MAX_S = 0.1, RESEND_BACKOFF_MAX_S = 0.2;
+enum { WAITS_EVEN = 3 };
+/* A wait costs more than a copy. A state goes out in as many that all of them are lost less often than this, at the
+ * loss of so many of the last states: once where one in twenty is lost. */
+static const double WAIT_SHARE_MAX = 0.05, LOSS_MEMORY = 64;
+enum { COPIES_MAX = 4 };
 /* Longest wait for an answer when the run is to end. */
 static const double STOP_PATIENCE_S = 0.5;
 
@@ -25,6 +30,35 @@ static void ignore(struct exchange *exchange, const char *field, int64_t got, in
         snprintf(exchange->why, sizeof exchange->why, "its %s is %" PRId64 ", not %" PRId64, field, got, wanted);
 }
 
+/* Copies are answered alike. Which of them was answered first after a wait shows only when each has been: the first
+ * one. */
+static void answer_count(struct exchange *exchange, struct exchange_attempt *attempt)
+{
+    const bool first = attempt->answers++ == 0;
+    if (first)
+        attempt->trip_s = clock_now_s() - attempt->asked_at_s;
+    if (attempt->waits == 0 ? first : attempt->answers == attempt->sends)
+        round_trip_note(&exchange->trip, attempt->trip_s);
+}
+
+/* Answers to the last but one state are no longer looked at: what it got of them is what came. */
+static void attempt_begin(struct exchange *exchange)
+{
+    const struct exchange_attempt *done = &exchange->before;
+    if (done->seq >= 0)
+        exchange->loss += (1 - fmin(1, (double)done->answers / done->sends) - exchange->loss) / LOSS_MEMORY;
+    exchange->before = exchange->now;
+    exchange->now = (struct exchange_attempt){.seq = exchange->seq, .asked_at_s = clock_now_s()};
+}
+
+static int copies_needed(const struct exchange *exchange)
+{
+    int copies = 1;
+    for (double all_lost = exchange->loss; all_lost > WAIT_SHARE_MAX && copies < COPIES_MAX; copies++)
+        all_lost *= exchange->loss;
+    return copies;
+}
+
 static void on_command(const lcm_recv_buf_t *buffer, const char *channel, void *user)
 {
     struct exchange *exchange = user;
@@ -35,15 +69,21 @@ static void on_command(const lcm_recv_buf_t *buffer, const char *channel, void *
         ignore(exchange, "it is no wall_command_t of this version", 0, 0);
         return;
     }
-    if (header.run_id != exchange->run_id)
+    const bool is_ours = header.run_id == exchange->run_id;
+    if (is_ours && header.seq == exchange->before.seq) {
+        answer_count(exchange, &exchange->before);
+        return;
+    }
+    if (!is_ours)
         ignore(exchange, "run_id", header.run_id, exchange->run_id);
-    else if (exchange->answered)
-        return; /* a copy */
-    else if (header.seq != exchange->seq)
-        ignore(exchange, "seq", header.seq, exchange->seq);
+    else if (header.seq != exchange->now.seq)
+        ignore(exchange, "seq", header.seq, exchange->now.seq);
     else if (header.step != exchange->asked.command_step)
         ignore(exchange, "step", header.step, exchange->asked.command_step);
-    if (header.run_id != exchange->run_id || header.seq != exchange->seq || header.step != exchange->asked.command_step)
+    if (!is_ours || header.seq != exchange->now.seq || header.step != exchange->asked.command_step)
+        return;
+    answer_count(exchange, &exchange->now);
+    if (exchange->answered)
         return;
     exchange->answer = command;
     exchange->answered = true;
@@ -60,6 +100,8 @@ enum status exchange_init(struct exchange *exchange, const struct scene *scene, 
                                   .run_id = run_id,
                                   .in_process = in_process,
                                   .replay = replay,
+                                  .now.seq = -1,
+                                  .before.seq = -1,
                                   .record_walls = stream && scene->record.walls == RECORD_WALLS_FULL};
     return in_process || replay ? STATUS_OK : bus_subscribe(bus, CHANNEL_WALL_COMMAND, on_command, exchange);
 }
@@ -99,10 +141,20 @@ static enum status call_law(struct exchange *exchange, const struct wall_state *
     return STATUS_OK;
 }
 
+static enum status state_send(struct exchange *exchange)
+{
+    for (int copies = copies_needed(exchange); copies > 0; copies--) {
+        exchange->repeated += exchange->now.sends > 0;
+        exchange->now.sends++;
+        TRY(publish_state(exchange, &exchange->asked));
+    }
+    return STATUS_OK;
+}
+
 static enum status state_repeat(struct exchange *exchange)
 {
-    exchange->repeated++;
-    return publish_state(exchange, &exchange->asked);
+    exchange->now.waits++;
+    return state_send(exchange);
 }
 
 static void exchange_close(struct exchange *exchange)
@@ -123,29 +175,22 @@ static enum status no_answer(const struct exchange *exchange)
         timeout_s, (long long)exchange->ignored, exchange->why);
 }
 
-static double resend_after_s(const struct exchange *exchange, int repeats)
+static double resend_after_s(const struct exchange *exchange)
 {
-    double wait_s =
-        exchange->trip.mean_s > 0 ? round_trip_late_s(&exchange->trip, RESEND_MIN_S, RESEND_MAX_S) : RESEND_FIRST_S;
-    for (; repeats > 0 && wait_s < RESEND_BACKOFF_MAX_S; repeats--)
+    double wait_s = round_trip_late_s(&exchange->trip, RESEND_MIN_S, RESEND_FIRST_S, RESEND_MAX_S);
+    for (int waits = exchange->now.waits; waits >= WAITS_EVEN && wait_s < RESEND_BACKOFF_MAX_S; waits--)
         wait_s *= 2;
     return fmin(wait_s, RESEND_BACKOFF_MAX_S);
-}
-
-static int wait_ms(double until_s)
-{
-    return (int)fmax(1, ceil(1e3 * (until_s - clock_now_s())));
 }
 
 static enum status wait_for_answer(struct exchange *exchange)
 {
     const struct wall_state *state = &exchange->asked;
     double start = clock_now_s(), sent = start;
-    int repeats = 0;
     while (!exchange->answered) {
         bool handled;
-        const double again = sent + resend_after_s(exchange, repeats);
-        TRY(bus_wait(exchange->bus, wait_ms(again), exchange->scene->coupling.busy_poll, &handled));
+        const double again = sent + resend_after_s(exchange);
+        TRY(bus_wait(exchange->bus, fmax(0, again - clock_now_s()), exchange->scene->coupling.busy_poll, &handled));
         if (exchange->answered)
             break;
         if (stop_requested() && clock_now_s() - start > STOP_PATIENCE_S)
@@ -157,11 +202,8 @@ static enum status wait_for_answer(struct exchange *exchange)
         if (now >= again) {
             TRY(state_repeat(exchange));
             sent = now;
-            repeats++;
         }
     }
-    if (repeats == 0)
-        round_trip_note(&exchange->trip, clock_now_s() - exchange->asked_at_s);
     exchange_close(exchange);
     return STATUS_OK;
 }
@@ -169,9 +211,9 @@ static enum status wait_for_answer(struct exchange *exchange)
 enum status exchange_settle(struct exchange *exchange)
 {
     const double start = clock_now_s();
-    for (int repeats = 0; exchange->open && !exchange->answered && clock_now_s() - start < STOP_PATIENCE_S; repeats++) {
+    while (exchange->open && !exchange->answered && clock_now_s() - start < STOP_PATIENCE_S) {
         bool handled;
-        TRY(bus_handle(exchange->bus, wait_ms(clock_now_s() + resend_after_s(exchange, repeats)), &handled));
+        TRY(bus_wait(exchange->bus, resend_after_s(exchange), false, &handled));
         if (!handled)
             TRY(state_repeat(exchange));
     }
@@ -188,14 +230,14 @@ int64_t exchange_states(const struct exchange *exchange)
 enum status exchange_ask(struct exchange *exchange, const struct wall_state *state)
 {
     exchange->asked = *state;
-    exchange->asked_at_s = clock_now_s();
     exchange->answered = false;
     exchange->ignored = 0;
     if (exchange->record_walls)
         TRY(record_sender_wait_for_walls(exchange->stream, exchange->seq));
+    attempt_begin(exchange);
     exchange->open = !exchange->replay && !exchange->in_process;
     if (exchange->open)
-        return publish_state(exchange, state);
+        return state_send(exchange);
     TRY(exchange->replay ? replay_exchange(exchange->replay, state, &exchange->answer)
                          : call_law(exchange, state, &exchange->answer));
     exchange->answered = true;

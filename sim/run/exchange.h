@@ -8,6 +8,14 @@
 #include "common/round_trip_time.h"
 #include "sim/run/replay.h"
 
+/* How often a state went out and was answered. */
+struct exchange_attempt {
+    int64_t seq; /* -1: none */
+    int sends, answers;
+    int waits;                 /* in vain: times that it had to go out again */
+    double asked_at_s, trip_s; /* to the first answer */
+};
+
 struct exchange {
     const struct scene *scene;
     struct bus *bus;
@@ -19,13 +27,14 @@ struct exchange {
     int64_t seq;            /* of the next state */
     int64_t repeated;       /* states sent again */
     struct round_trip trip; /* of a state and its answer */
-    bool open;              /* a state went to the controller, its answer was not taken yet */
+    struct exchange_attempt now, before; /* the state that was asked for last, and the one before it */
+    double loss;                         /* share of the copies of states that got no answer */
+    bool open;                           /* a state went to the controller, its answer was not taken yet */
     bool answered;
     int64_t ignored; /* answers to the state asked last that do not fit it */
     char why[96];    /* the last of them */
     struct wall_command answer;
     struct wall_state asked;
-    double asked_at_s;
 };
 
 /* Fills `exchange`; over LCM (neither in_process nor `replay`) subscribes WALL_COMMAND. */
