@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Stands for every process of a run in the tests of the driver. What it does is said by FAKE_SIM, FAKE_WALLCTL,
 # FAKE_RECORDER: ok (default), fail (exit code 10 and a message), wait (until SIGINT), hang (no signal changes anything).
-# The pipe FAKE_PIPE stands for the bus: its one message is sim's END, for the recorder. FAKE_PIPE.walls: wallctl's answer.
+# The pipe FAKE_PIPE stands for the bus: its one message is sim's END, for the recorder, which acknowledges it in
+# FAKE_PIPE.ack. FAKE_PIPE.walls: wallctl's answer.
 trap 'exit 130' INT HUP # at once: bash loses one that comes during a command
 name=${0##* } # "my wallctl" is a controller of the user's own
 name=${name##*/}
@@ -59,6 +60,7 @@ case $name in
         stay "$FAKE_PIPE.walls" # until wallctl answers
         [ "$behaviour" = ok ] || stay "$silence"
         say_end
+        stay "$FAKE_PIPE.ack"
         ;;
     wallctl)
         trap 'exit 130' TERM
@@ -66,8 +68,9 @@ case $name in
         stay "$silence"
         ;;
     recorder)
-        trap '' TERM # sim has ended: its END is on the way
         stay "$FAKE_PIPE"
+        trap '' TERM # sim has ended: so does it
+        echo complete >"$FAKE_PIPE.ack"
         ;;
     analyzer)
         echo "a table of $1"

@@ -46,9 +46,9 @@ wait_for() { # COMMAND...
 make_pipe() {
     FAKE_PIPE=$(mktemp -u "$work/pipe.XXXXXX")
     export FAKE_PIPE
-    mkfifo "$FAKE_PIPE" "$FAKE_PIPE.walls" "$FAKE_PIPE.silence"
+    mkfifo "$FAKE_PIPE" "$FAKE_PIPE.walls" "$FAKE_PIPE.ack" "$FAKE_PIPE.silence"
     # shellcheck disable=SC2034 # only held open
-    exec {pipe}<>"$FAKE_PIPE" {pipe}<>"$FAKE_PIPE.walls"
+    exec {pipe}<>"$FAKE_PIPE" {pipe}<>"$FAKE_PIPE.walls" {pipe}<>"$FAKE_PIPE.ack"
 }
 
 shakedown() { # ARGUMENTS...: output into last.out
