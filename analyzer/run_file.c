@@ -19,7 +19,8 @@ static const struct observable_info {
 #undef OBSERVABLE_INFO
 };
 
-enum { RECORDS_MAX = 100000000, TEXT_MAX = 1 << 20 };
+/* Deflate makes no more of a byte than 1032 (RFC 1951): a dataset that claims more values does not hold them. */
+enum { RECORDS_MAX = 100000000, PER_STORED_BYTE_MAX = 1032, TEXT_MAX = 1 << 20 };
 
 static enum status missing(const char *path, const char *object, const char *what)
 {
@@ -216,6 +217,8 @@ static enum status records_count(hid_t dataset, const char *path, const char *ob
     if (size[0] > RECORDS_MAX)
         return status_fail(STATUS_FORMAT, "%s: %s: claims %llu records; at most %d are read", path, object,
                            (unsigned long long)size[0], (int)RECORDS_MAX);
+    if (size[0] * width > PER_STORED_BYTE_MAX * H5Dget_storage_size(dataset))
+        return missing(path, object, "claims more records than the file holds (damaged?)");
     *count = (size_t)size[0];
     return STATUS_OK;
 }

@@ -514,6 +514,17 @@ bool scene_key_applies(const struct key *table, const struct key *key, const voi
     return table != sample_keys || sample_key_applies(group, key->name);
 }
 
+/* What the check wants to be given (scene_check_stage.c): a pressure of 0 is a free wall, not the default. */
+bool stage_key_applies(const struct key *table, const struct key *key, const void *group)
+{
+    const struct scene_axis *axis = group;
+    if (table != axis_keys || (axis->mode != WALL_STRESS && axis->mode != WALL_COUPLED))
+        return false;
+    return (strcmp(key->name, "pressure_pa") == 0 && axis->pressure_pa == 0) ||
+           (strcmp(key->name, "amplitude_pa") == 0 && scene_axis_period_s(axis) > 0 && axis->amplitude_pa == 0) ||
+           (strcmp(key->name, "pressure_end_pa") == 0 && axis->target == TARGET_RAMP && axis->pressure_end_pa == 0);
+}
+
 const struct key scene_prepare_keys[] = {
     {"to", KEY_CHOICE, OF(scene_prepare, to), NULL, 0, 0, NULL, prepare_names, NULL,
      "dense: compressed without friction, which comes after; loose: with that of the material; both at pressure_pa; or "

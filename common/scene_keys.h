@@ -38,6 +38,7 @@ bool scene_law_takes(int law, const char *key);
 /* Whether a key at its default means something in a group (config_applies): it says what is computed, evaluated or
  * recorded. Those of other laws, of axes and of walls' materials do not, nor does what is empty by default. */
 bool scene_key_applies(const struct key *table, const struct key *key, const void *group);
+bool stage_key_applies(const struct key *table, const struct key *key, const void *group); /* of a stage, besides */
 
 /* Whether contacts of law `other` can be computed as such of law `law`: a scene may have both. */
 bool scene_law_expresses(int law, int other);

@@ -44,7 +44,7 @@ void scene_print(FILE *out, const struct scene *scene)
     config_defaults(scene_keys, &preset);
     scene_stage_start(scene, &start);
     config_print(out, scene_keys, scene, (struct config_print){&preset, scene_key_applies}, 0);
-    stages_print(out, scene, (struct config_print){&start, NULL});
+    stages_print(out, scene, (struct config_print){&start, stage_key_applies});
 }
 
 void scene_print_every_key(FILE *out, const struct scene *scene)

@@ -14,6 +14,8 @@
 
 /* What this program takes of a file that claims more than any run has. */
 static const hsize_t ROWS_MAX = 1000000000;
+/* Deflate makes no more of a byte than this many (RFC 1951): what claims more is not there. */
+static const hsize_t PER_STORED_BYTE_MAX = 1032;
 
 static enum status wrong(const char *object, const char *what)
 {
@@ -35,7 +37,8 @@ static int extents(hid_t dataset, hsize_t size[3])
         if (size[k] > ROWS_MAX)
             return -1;
     }
-    return rank;
+    const hsize_t values_max = PER_STORED_BYTE_MAX * H5Dget_storage_size(dataset);
+    return size[0] == 0 || size[1] * size[2] <= values_max / size[0] ? rank : -1;
 }
 
 /* ---- what there is one of per frame ---- */

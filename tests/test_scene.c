@@ -160,6 +160,25 @@ static void groups_are_repeated(void **unused)
     dispose(scene);
 }
 
+/* A pressure of 0 that is given is a free wall; one that is not given is refused. As recorded, it must be given again.
+ */
+static void a_free_wall_stays_one(void **unused)
+{
+    struct scene *scene = with_head("stages = ( { name = \"a\"; dt_s = 1e-6; duration_s = 1e-3;"
+                                    " walls = { x = { mode = \"stress\"; pressure_pa = 0.0; mass_kg = 1.0; }; }; } );");
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    (void)unused;
+    assert_non_null(out);
+    scene_print(out, scene);
+    assert_int_equal(fclose(out), 0);
+    assert_non_null(strstr(text, "pressure_pa = 0.0"));
+    dispose(parsed(text));
+    free(text);
+    dispose(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -167,6 +186,7 @@ int main(void)
         cmocka_unit_test(a_time_step_follows_from_the_scene),
         cmocka_unit_test(stiff_rolling_shortens_the_time_step),
         cmocka_unit_test(groups_are_repeated),
+        cmocka_unit_test(a_free_wall_stays_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
