@@ -74,8 +74,14 @@ struct wall {
     struct contact_list contacts;
 };
 
-/* Brings the members' history up to date with what the kernels did; to be called before it is read. */
+/* Brings the members' history, or one column of it, up to date with what the kernels did; to be called before it is
+ * read.
+ */
 void contact_list_read(struct contact_list *list);
+void contact_list_read_column(struct contact_list *list, int c);
+
+/* The copy of a column that the kernels have is not needed any more; its memory is given back. */
+void contact_list_forget_column(struct contact_list *list, int c);
 
 /* Column c of the history of member k as it is now, without contact_list_read; a spring (Mindlin: its
  * force) with what rounding left out; whether a contact slides. */

@@ -304,9 +304,20 @@ bool contact_list_slides(const struct contact_list *list, int k)
     return contact_list_value(list, HISTORY_SLIDING, k) > 0;
 }
 
+void contact_list_read_column(struct contact_list *list, int c)
+{
+    for (int k = 0; list->closed && history_has(&list->model, c) && k < list->count; k++)
+        list->history[c][k] = contact_list_value(list, c, k);
+}
+
 void contact_list_read(struct contact_list *list)
 {
-    for (int c = 0; list->closed && c < HISTORY_COLUMNS; c++)
-        for (int k = 0; history_has(&list->model, c) && k < list->count; k++)
-            list->history[c][k] = contact_list_value(list, c, k);
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        contact_list_read_column(list, c);
+}
+
+void contact_list_forget_column(struct contact_list *list, int c)
+{
+    if (list->closed)
+        array_forget(list->history[c], sizeof(double), (size_t)list->count);
 }

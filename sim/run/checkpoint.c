@@ -50,7 +50,9 @@ static enum status put_items(hid_t file, const struct checkpoint_items *items)
 {
     for (int k = 0; k < items->n; k++) {
         const struct checkpoint_item *item = &items->item[k];
+        checkpoint_item_read(item);
         TRY(checkpoint_put(file, item->path, item->type, item->count, item->data));
+        checkpoint_item_forget(item);
     }
     return STATUS_OK;
 }
@@ -240,6 +242,8 @@ bool checkpoint_equal(struct sample *a, struct sample *b, char *difference, size
     snprintf(difference, size, "%s", same ? "" : "the models");
     for (int k = 0; same && k < of_a->n; k++) {
         const struct checkpoint_item *x = &of_a->item[k], *y = &of_b->item[k];
+        checkpoint_item_read(x);
+        checkpoint_item_read(y);
         same = strcmp(x->path, y->path) == 0 && x->count == y->count &&
                (x->count == 0 || memcmp(x->data, y->data, x->count * checkpoint_type_size(x->type)) == 0);
         if (!same)

@@ -161,20 +161,15 @@ static uint64_t hash_of(const unsigned char *bytes, uint64_t size)
     return hash;
 }
 
-/* Header and image as they go to disk; to be freed. */
-static enum status image_bytes(hid_t file, unsigned char **bytes, size_t *size)
+/* The image where HDF5 keeps it, which is as good as `file`. */
+static enum status image_bytes(hid_t file, const unsigned char **bytes, size_t *size)
 {
-    ssize_t image = H5Fflush(file, H5F_SCOPE_LOCAL) >= 0 ? H5Fget_file_image(file, NULL, 0) : -1;
-    *bytes = image > 0 ? calloc(1, HEADER_BYTES + (size_t)image) : NULL;
-    if (image > 0 && !*bytes)
-        return status_fail(STATUS_NO_MEMORY, "no memory for a checkpoint of %zd bytes", image);
-    if (image <= 0 || H5Fget_file_image(file, *bytes + HEADER_BYTES, (size_t)image) != image) {
-        free(*bytes);
+    void *at = NULL;
+    const ssize_t image = H5Fflush(file, H5F_SCOPE_LOCAL) >= 0 ? H5Fget_file_image(file, NULL, 0) : -1;
+    if (image <= 0 || H5Fget_vfd_handle(file, H5P_DEFAULT, &at) < 0 || !at)
         return put_failed("its image");
-    }
-    snprintf((char *)*bytes, HEADER_BYTES, HEADER_FORMAT, FORMAT_VERSION, (uint64_t)image,
-             hash_of(*bytes + HEADER_BYTES, (uint64_t)image));
-    *size = HEADER_BYTES + (size_t)image;
+    memcpy(bytes, at, sizeof *bytes); /* of the core driver: where its memory starts */
+    *size = (size_t)image;
     return STATUS_OK;
 }
 
@@ -205,13 +200,26 @@ static enum status folder_sync(const char *path)
     return ok ? STATUS_OK : status_fail(STATUS_IO, "cannot bring the folder of %s to disk: %s", path, strerror(reason));
 }
 
-static enum status bytes_save(const unsigned char *bytes, size_t size, const char *path)
+struct piece {
+    const unsigned char *bytes;
+    size_t size;
+};
+
+static bool write_pieces(int descriptor, const struct piece *piece, int n)
+{
+    for (int k = 0; k < n; k++)
+        if (!write_all(descriptor, piece[k].bytes, piece[k].size))
+            return false;
+    return true;
+}
+
+static enum status pieces_save(const struct piece *piece, int n, const char *path)
 {
     char temporary[PATH_MAX];
     if (snprintf(temporary, sizeof temporary, "%s.new", path) >= (int)sizeof temporary)
         return status_fail(STATUS_IO, "the path %s is too long", path);
     int descriptor = open(temporary, O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
-    bool ok = descriptor >= 0 && write_all(descriptor, bytes, size) && fsync(descriptor) == 0;
+    bool ok = descriptor >= 0 && write_pieces(descriptor, piece, n) && fsync(descriptor) == 0;
     int reason = errno;
     if (descriptor >= 0 && close(descriptor) != 0 && ok) {
         ok = false;
@@ -230,12 +238,12 @@ static enum status bytes_save(const unsigned char *bytes, size_t size, const cha
 
 enum status checkpoint_image_save(hid_t file, const char *path)
 {
-    unsigned char *bytes = NULL;
-    size_t size = 0;
-    TRY(image_bytes(file, &bytes, &size));
-    enum status status = bytes_save(bytes, size, path);
-    free(bytes);
-    return status;
+    unsigned char header[HEADER_BYTES] = {0};
+    struct piece piece[2] = {{header, sizeof header}, {NULL, 0}}, *image = &piece[1];
+    TRY(image_bytes(file, &image->bytes, &image->size));
+    snprintf((char *)header, sizeof header, HEADER_FORMAT, FORMAT_VERSION, (uint64_t)image->size,
+             hash_of(image->bytes, image->size));
+    return pieces_save(piece, 2, path);
 }
 
 /* The whole file; to be freed. */
@@ -314,7 +322,7 @@ enum status checkpoint_file_share(const char *path, const char *copy)
     }
     enum status status = bytes_load(path, &bytes, &size);
     if (status == STATUS_OK)
-        status = bytes_save(bytes, size, copy);
+        status = pieces_save(&(struct piece){bytes, size}, 1, copy);
     free(bytes);
     return status;
 }

@@ -234,7 +234,8 @@ static void collect_history(struct checkpoint_items *items, const char *group, s
         if (!history_has(&list->model, c))
             continue;
         struct checkpoint_item *item = &items->item[items->n++];
-        *item = (struct checkpoint_item){.type = F64, .count = (size_t)list->count, .data = list->history[c]};
+        *item = (struct checkpoint_item){
+            .type = F64, .count = (size_t)list->count, .data = list->history[c], .list = list, .column = c};
         if (field->component >= 0)
             snprintf(item->path, sizeof item->path, "%s/%s/%d", group, field->name, field->component);
         else
@@ -260,12 +261,23 @@ static void collect(struct checkpoint_items *items, struct sample *sample, struc
     }
     for (int l = 0; l <= sample->n_walls; l++) {
         struct contact_list *list = checkpoint_list(sample, l);
-        contact_list_read(list);
         const struct model model = {.count = (size_t)list->count, .axes = p->dimension};
         checkpoint_list_group(group, l);
         collect_owner(items, OF_LIST, group, list, &model);
         collect_history(items, group, list);
     }
+}
+
+void checkpoint_item_read(const struct checkpoint_item *item)
+{
+    if (item->list)
+        contact_list_read_column(item->list, item->column);
+}
+
+void checkpoint_item_forget(const struct checkpoint_item *item)
+{
+    if (item->list)
+        contact_list_forget_column(item->list, item->column);
 }
 
 struct checkpoint_items *checkpoint_items_of(struct sample *sample, struct run_progress *progress)

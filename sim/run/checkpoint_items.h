@@ -13,6 +13,8 @@ struct checkpoint_item {
     size_t count;
     void *data;
     bool late;
+    struct contact_list *list; /* whose column of the history this is: checkpoint_item_read; NULL: none */
+    int column;
 };
 
 enum { CHECKPOINT_ITEMS_MAX = 512 };
@@ -24,6 +26,11 @@ struct checkpoint_items {
 /* Every item of a run, whose last step is completed; `progress` NULL: of the sample alone. To be freed; NULL: no
  * memory. */
 struct checkpoint_items *checkpoint_items_of(struct sample *sample, struct run_progress *progress);
+
+/* What contacts remember comes to `data` when it is asked for, and may leave it then: a large sample's memory does not
+ * hold all of it twice. */
+void checkpoint_item_read(const struct checkpoint_item *item);
+void checkpoint_item_forget(const struct checkpoint_item *item);
 
 /* List l of contacts (sample_list) and the group of its items. */
 struct contact_list *checkpoint_list(struct sample *sample, int l);
