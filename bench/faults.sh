@@ -27,7 +27,7 @@ fi
 read_options --signals '--n --seed --kinds --stop --kills' '--signals --n --seed --kinds --stop --kills' "$@"
 n=${given[--n]:-10}
 RANDOM=${given[--seed]:-1}
-readonly stop_s=${given[--stop]:-3} # how long stop_any holds a process
+readonly stop_s=${given[--stop]:-3} # how long a process is stopped
 readonly kills_per_run=${given[--kills]:-12}
 out=$(mktemp -d) || exit 5
 trap 'end_driver; cd /; umount "$out" 2>/dev/null; rm -rf "$out"' EXIT
@@ -180,14 +180,19 @@ fault_signal_any() {
     hit "$signal" ${pid:+"$pid"}
 }
 
-fault_stop_any() {
+stop_one() { # NAME
     local pid
-    pid=$(process "${kinds_of_processes[RANDOM % 3]}")
+    pid=$(process "$1")
     hit STOP ${pid:+"$pid"} || return
     sleep "$stop_s"
     hit CONT "$pid"
     return 0
 }
+
+fault_stop_any() { stop_one "${kinds_of_processes[RANDOM % 3]}"; }
+fault_stop_sim() { stop_one sim; }
+fault_stop_wallctl() { stop_one wallctl; }
+fault_stop_recorder() { stop_one recorder; }
 
 fault_full_disk() {
     [ -e run/run-id ] || return
