@@ -63,6 +63,21 @@ static void exact(void **state)
     assert_near(q[QUANTITY_E_INITIAL].window[1], 0.001, 0);
 }
 
+/* A deviator of 40 from the start: half of the rise is where it was, 150 above it. */
+static void half_of_the_rise(void **state)
+{
+    struct quantity q[QUANTITIES];
+    struct random random = {1};
+    struct run run;
+    (void)state;
+    fixture_biaxial(&run, &(struct biaxial_model){.n = 501, .rest = 100}, &random);
+    for (size_t i = 0; i < run.n_samples; i++)
+        run.value[OBSERVABLE_STRESS_WALL][i * run.width[OBSERVABLE_STRESS_WALL]] -= 40;
+    evaluate(&run, q);
+    assert_relative(&q[QUANTITY_E50], 150 / eps50, 1e-9);
+    run_free(&run);
+}
+
 /* What the draws look at. */
 static const struct {
     enum quantity_id id;
@@ -261,9 +276,9 @@ static void load_drops(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(exact),         cmocka_unit_test(errors_hold),         cmocka_unit_test(cut_short),
-        cmocka_unit_test(large_strains), cmocka_unit_test(nothing_to_evaluate), cmocka_unit_test(oedometer),
-        cmocka_unit_test(wall_off),      cmocka_unit_test(load_drops),
+        cmocka_unit_test(exact),     cmocka_unit_test(half_of_the_rise), cmocka_unit_test(errors_hold),
+        cmocka_unit_test(cut_short), cmocka_unit_test(large_strains),    cmocka_unit_test(nothing_to_evaluate),
+        cmocka_unit_test(oedometer), cmocka_unit_test(wall_off),         cmocka_unit_test(load_drops),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -87,6 +87,27 @@ static void mean_error_of_correlated(void **state)
     assert_near(claimed / squares, 0.91, 0.3);
 }
 
+/* Replicas 0 ... 9 without block 0 ... 9: their s.d. is sqrt(82.5/9), u = s.d. (B - 1)/sqrt(B) with B = 10. */
+static bool number_of_block(const void *x, size_t begin, size_t end, double *out)
+{
+    out[0] = begin == end ? -1 : floor(((const double *)x)[begin] / 10);
+    return true;
+}
+
+static void jackknife_of_known_replicas(void **state)
+{
+    enum { N = 101 };
+    double x[N], w[N];
+    struct estimate out;
+    (void)state;
+    for (int k = 0; k < N; k++)
+        x[k] = k;
+    statistics_weights(x, w, N);
+    assert_true(statistics_jackknife(&(struct points){x, w, N}, number_of_block, x, 1, &out));
+    assert_true(out.value == -1);
+    assert_near(out.error, sqrt(82.5 / 9) * 9 / sqrt(10) * statistics_widening(9), 1e-12);
+}
+
 /* n = 3: mean 2, s.d. 1, standard error 1/sqrt(3). */
 static void plain_mean(void **state)
 {
@@ -164,7 +185,7 @@ int main(void)
         cmocka_unit_test(mean_over_abscissa), cmocka_unit_test(mean_error_of_correlated),
         cmocka_unit_test(plain_mean),         cmocka_unit_test(soil_mechanics),
         cmocka_unit_test(eigenvalues),        cmocka_unit_test(lower_bound),
-        cmocka_unit_test(sine_of_a_ratio),
+        cmocka_unit_test(sine_of_a_ratio),    cmocka_unit_test(jackknife_of_known_replicas),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
