@@ -27,6 +27,8 @@ declare -A programs=(
 copy_tree() {
     mkdir -p "$source"
     (cd "$root" && git ls-files -z --cached --others --exclude-standard | tar --null -cf - -T -) | tar -xf - -C "$source"
+    # as old as it was, it would not be built again
+    [ ! -e "$scratch/changed" ] || touch "$(<"$scratch/changed")"
 }
 
 build() { # TARGET...
@@ -55,6 +57,7 @@ try() { # FILE FROM TO
         "$text") verdict='not there' && return ;;
         *"$2"*) verdict='there twice' && return ;;
     esac
+    echo "$file" >"$scratch/changed" # should this run be ended before it is put back
     printf '%s\n' "${text/"$2"/"$3"}" >"$file"
     if ! build_of "$module"; then
         verdict='does not compile'
