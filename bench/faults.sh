@@ -176,6 +176,7 @@ fault_signal_any() {
     local receivers=(sim wallctl recorder launcher) signals=(INT TERM HUP) pid
     local receiver=${receivers[RANDOM % 4]} signal=${signals[RANDOM % 3]}
     pid=$driver
+    [ -e run/run-id ] || return # before, nothing has begun
     [ "$receiver" = launcher ] || pid=$(process "$receiver")
     hit "$signal" ${pid:+"$pid"}
 }
