@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 enum { WAIT_SLACK_NS = 1000 };
-enum { CHANNELS_MAX = 8, NAME_MAX_LENGTH = 63, DATAGRAM_MAX = 65536, RECEIVE_BUFFER = 4194304 };
+enum { CHANNELS_MAX = 16, NAME_MAX_LENGTH = 63, DATAGRAM_MAX = 65536, RECEIVE_BUFFER = 4194304 };
 
 /* Offsets: the filter counts from the UDP header. */
 enum {

@@ -1,6 +1,6 @@
 /* Receives LCM messages from the bus in the caller's own thread: one wake-up per message instead of three (LCM hands
  * each from a thread of its own, through a queue and a pipe), and none for messages on other channels, which the kernel
- * filters out. For the two ends of the wall loop; only messages that fit one datagram, which all of ours do.
+ * filters out. Only messages that fit one datagram, which all of ours do.
  * Wire format of LCM's udpm: "LC02", 32-bit number, channel name with its NUL, message. */
 #ifndef SHAKEDOWN_COMMON_UDP_RECEIVER_H
 #define SHAKEDOWN_COMMON_UDP_RECEIVER_H

@@ -251,7 +251,7 @@ enum status bus_recording_record(struct record_receiver *recording, const struct
 {
     struct recording_session session = {
         .recording = recording, .timeout_s = options->timeout_s, .stop_at_s = INFINITY, .parent = getppid()};
-    TRY(bus_open(&session.bus, options->lcm_url));
+    TRY(bus_open_direct(&session.bus, options->lcm_url));
     enum status status = record(&session);
     if (session.status != STATUS_OK || status == STATUS_IO || status == STATUS_NO_MEMORY) {
         char reason[1024];

@@ -145,7 +145,7 @@ static enum status run(int argc, char **argv)
     signal(SIGTTOU, SIG_IGN); /* it writes from the background */
     TRY(signals_install());
     TRY(url_check(line.lcm_url));
-    TRY(bus_open(&bus, line.lcm_url));
+    TRY(bus_open_direct(&bus, line.lcm_url));
     enum status status = watch_run(&watch, &bus, timeout_s);
     clear_line(&watch);
     bus_close(&bus);
