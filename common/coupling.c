@@ -20,6 +20,16 @@ const char *stage_end_text(int end)
     return end >= 0 && (size_t)end < sizeof texts / sizeof texts[0] ? texts[end] : "unknown";
 }
 
+int coupling_ahead_steps(const struct scene_coupling *coupling, int n_steps)
+{
+    const int half = n_steps / 2;
+    if (coupling->scheme == SCHEME_PIPELINED)
+        return n_steps;
+    if (coupling->scheme != SCHEME_COMPENSATED)
+        return 0;
+    return coupling->ahead_steps < half ? (int)coupling->ahead_steps : half;
+}
+
 void wall_state_to_message(const struct wall_state *state, int64_t run_id, int64_t seq,
                            struct _shakedown_wall_state_t *message)
 {

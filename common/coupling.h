@@ -17,7 +17,7 @@ struct wall_state {
     int64_t stage_step;
     double stage_time_s;
     double interval_s;
-    int64_t command_step; /* the command is wanted from this step on; later than `step` if pipelined */
+    int64_t command_step; /* the command is wanted from this step on; later than `step` if asked for ahead */
     double kinetic_energy_j, elastic_energy_j;
     int64_t energy_step;
     double interface_residual_j;
@@ -34,6 +34,10 @@ struct wall_state {
     double ahead_position_m[SCENE_WALLS_MAX];
     double ahead_velocity_m_per_s[SCENE_WALLS_MAX];
 };
+
+/* How many steps before the end of an interval of n_steps the next command is asked for (coupling.ahead_steps, at most
+ * half of it; pipelined: all of it); 0: at its end. */
+int coupling_ahead_steps(const struct scene_coupling *coupling, int n_steps);
 
 /* What moves a wall during an interval. */
 enum wall_drive {

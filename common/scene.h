@@ -174,6 +174,7 @@ enum coupling_scheme {
 struct scene_coupling {
     int scheme;             /* enum coupling_scheme */
     int64_t interval_steps; /* n; adaptive: the longest */
+    int64_t ahead_steps;    /* compensated: a command is asked for so long before it is wanted */
     double tolerance;       /* adaptive: energy mismatch over work at the walls, per interval */
     bool busy_poll;         /* sim and wallctl look for messages without sleeping */
     double timeout_s;       /* without an answer from wallctl or the recorder, sim gives up */

@@ -98,7 +98,6 @@ void fixture_run(struct fixture *fixture, int64_t n_steps)
 enum status fixture_try(struct fixture *fixture, int64_t n_steps)
 {
     struct sample *sample = fixture->sample;
-    const bool pipelined = fixture->scene->coupling.scheme == SCHEME_PIPELINED;
     struct wall_command command = {0};
     while (sample->step < n_steps) {
         struct wall_state state;
@@ -109,14 +108,18 @@ enum status fixture_try(struct fixture *fixture, int64_t n_steps)
         if (command.finished)
             return STATUS_OK;
         TRY(sample_command(sample, &command));
-        const int interval = command.n_steps;
+        const int interval = command.n_steps, ahead = coupling_ahead_steps(&fixture->scene->coupling, interval);
         command.n_steps = 0;
-        if (pipelined) {
+        for (int k = 0; k < interval - ahead; k++)
+            TRY(sample_step(sample));
+        if (ahead > 0) {
+            if (ahead < interval)
+                sample_wall_state(sample, &state);
             sample_wall_state_ahead(sample, &state);
             state.energy_step = -1;
             TRY(wallctl_law(fixture->scene, &state, &command));
         }
-        for (int k = 0; k < interval; k++)
+        for (int k = 0; k < ahead; k++)
             TRY(sample_step(sample));
     }
     return STATUS_OK;

@@ -23,6 +23,7 @@ struct pair_control {
     double interval_s;     /* H */
     int n_steps;
     double last_interval_s; /* of the interval that ended here; 0: none */
+    double ahead_s;         /* the state was told so long before */
 };
 
 /* Strain control of one wall that takes `share` of the change in length (signed: +1 the upper wall, -1 the lower).
@@ -47,6 +48,7 @@ static struct stress_loop loop_of(const struct pair_control *c, double target_pa
                                 .damping_kg_per_s = c->axis->damping_kg_per_s,
                                 .last_interval_s = c->last_interval_s,
                                 .interval_s = c->interval_s,
+                                .ahead_s = c->ahead_s,
                                 .one_step = c->n_steps == 1,
                                 .target_n = target_pa * walls_area_m2(c->state, c->hi / 2)};
 }
@@ -295,14 +297,17 @@ static struct wall_state state_ahead(const struct wall_state *state, const struc
     const int64_t steps = state->command_step - state->step;
     if (steps == 0)
         return ahead;
-    const double interval_s = (double)steps * scene->stage[state->stage].dt_s;
-    const double part = state->interval_s > 0 && state->stage_step > 0 ? interval_s / state->interval_s : 0;
+    const bool whole = scene->coupling.scheme == SCHEME_PIPELINED; /* told when the interval in force began */
+    const double ahead_s = (double)steps * scene->stage[state->stage].dt_s;
+    const double before_s = whole ? state->interval_s : state->interval_s - ahead_s; /* of force_before_n */
+    const double part = before_s > 0 && state->stage_step > 0 ? ahead_s / before_s : 0;
     ahead.step += steps;
     ahead.stage_step += steps;
-    ahead.stage_time_s += interval_s;
-    ahead.time_s += interval_s;
+    ahead.stage_time_s += ahead_s;
+    ahead.time_s += ahead_s;
     ahead.energy_step += steps; /* as fresh as it was */
-    ahead.interval_s = interval_s;
+    if (whole)
+        ahead.interval_s = ahead_s;
     for (int wall = 0; wall < state->n_walls; wall++) {
         ahead.position_m[wall] = state->ahead_position_m[wall];
         ahead.velocity_m_per_s[wall] = state->ahead_velocity_m_per_s[wall];
@@ -395,7 +400,8 @@ enum status wallctl_law(const struct scene *scene, const struct wall_state *told
                              .end_s = (double)(moment.stage_step + command->n_steps) * moment.stage->dt_s,
                              .interval_s = command->n_steps * moment.stage->dt_s,
                              .n_steps = command->n_steps,
-                             .last_interval_s = state.interval_s};
+                             .last_interval_s = state.interval_s,
+                             .ahead_s = (double)(told->command_step - told->step) * moment.stage->dt_s};
     move_walls(&c, command);
     if (!all_finite(command->velocity_m_per_s, command->n_walls) ||
         !all_finite(command->acceleration_m_per_s2, command->n_walls))
@@ -411,6 +417,9 @@ int wallctl_stable_steps(const struct scene_coupling *coupling, const struct sce
                                      .stiffness_n_per_m = stiffness_n_per_m,
                                      .contact_damping_kg_per_s = damping_kg_per_s};
     const int n = coupling->interval_steps > INT_MAX ? INT_MAX : (int)coupling->interval_steps;
-    const int scheme = coupling->scheme == SCHEME_IMPEDANCE ? SCHEME_HOLD : coupling->scheme;
-    return stress_stable_steps(scheme, &loop, dt_s, scheme == SCHEME_HOLD ? n : (n + 1) / 2);
+    struct scene_coupling trial = *coupling;
+    if (trial.scheme == SCHEME_IMPEDANCE)
+        trial.scheme = SCHEME_HOLD;
+    const int scheme = trial.scheme;
+    return stress_stable_steps(&trial, &loop, dt_s, scheme == SCHEME_HOLD ? n : (n + 1) / 2);
 }

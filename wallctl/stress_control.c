@@ -3,10 +3,13 @@
 #include <float.h>
 #include <math.h>
 
+#include "common/coupling.h"
+
 /* compensated: the lag of the added mass's acceleration behind the wall's, in units of added mass over damping. With a
  * lag of 1 it gives back at most the energy that the wall's damping takes, at any frequency; sampled once an interval,
- * contacts as stiff as the bound need 1.3 (docs/coupling.md, test_law). */
-static const double LAG = 1.5;
+ * contacts as stiff as the bound need 1.3. Asked for ahead, by up to half an interval, they need 1.9 with one and a
+ * half times the added mass (docs/coupling.md, test_sim_coupling). */
+static const double LAG = 1.5, LAG_AHEAD = 2.25, ADDED_AHEAD = 1.5;
 
 /* The force that the sample answers a change of velocity with over half an interval acts like a mass on the wall. With
  * the stiffness as an upper bound this is stable for any interval: K H/gamma < 2 coth(gamma H/2m) holds for
@@ -14,7 +17,7 @@ static const double LAG = 1.5;
  * (docs/coupling.md). */
 static double added_mass_kg(int scheme, const struct stress_loop *loop, double apart_s)
 {
-    const double factor = scheme == SCHEME_PIPELINED ? 2 : 0.25;
+    const double factor = scheme == SCHEME_PIPELINED ? 2 : loop->ahead_s > 0 ? 0.25 * ADDED_AHEAD : 0.25;
     if (scheme == SCHEME_HOLD)
         return 0;
     return apart_s * (factor * loop->stiffness_n_per_m * apart_s + 0.5 * loop->contact_damping_kg_per_s);
@@ -42,7 +45,8 @@ static struct stress_motion motion_compensated(const struct stress_loop *loop, d
     const double total_kg = inertia_kg(bound_kg, damping, apart_s);
     const double added_kg = fmax(0, total_kg - loop->mass_kg - 0.5 * damping * apart_s);
     const double acceleration = (net_n + added_kg * before) / total_kg;
-    const double follows = added_kg > 0 ? -expm1(-damping * apart_s / (LAG * added_kg)) : 1;
+    const double lag = loop->ahead_s > 0 ? LAG_AHEAD : LAG;
+    const double follows = added_kg > 0 ? -expm1(-damping * apart_s / (lag * added_kg)) : 1;
     const double slope = before + follows * (acceleration - before);
     const double velocity = last + apart_s * acceleration;
     return (struct stress_motion){.motion = {velocity - 0.5 * slope * loop->interval_s, slope},
@@ -68,33 +72,56 @@ struct stress_motion stress_motion(int scheme, const struct stress_loop *loop)
     return result;
 }
 
+/* A wall on a spring and a damper, in intervals of h. */
+struct spring_trial {
+    double h, ahead_s; /* a command is asked for so long before its interval */
+    double x, velocity, acceleration;
+    double force_before; /* at the start of the interval */
+};
+
+/* The force at t in the interval that began at trial->x. */
+static double spring_force(const struct spring_trial *trial, const struct stress_loop *bounds, double t)
+{
+    const double v = trial->velocity + (t - 0.5 * trial->h) * trial->acceleration;
+    const double x = trial->x + t * (trial->velocity + 0.5 * (t - trial->h) * trial->acceleration);
+    return -bounds->stiffness_n_per_m * x - bounds->contact_damping_kg_per_s * v;
+}
+
+/* The force that is expected for the end of the interval, from those where it began and where the command was asked
+ * for; pipelined: from those where this one and the last began. */
+static double force_expected(struct spring_trial *trial, const struct stress_loop *bounds)
+{
+    const double before = trial->force_before, asked_s = trial->h - trial->ahead_s;
+    const double start = spring_force(trial, bounds, 0), asked = spring_force(trial, bounds, asked_s);
+    trial->force_before = start;
+    if (asked_s <= 0)
+        return 2 * start - before;
+    return asked + trial->ahead_s / asked_s * (asked - start);
+}
+
 /* Whether a disturbance of a wall on the spring and damper does not grow, n steps per interval: its largest energy over
  * the last intervals against the first. */
-static bool is_stable(int scheme, const struct stress_loop *bounds, double dt_s, int n)
+static bool is_stable(const struct scene_coupling *coupling, const struct stress_loop *bounds, double dt_s, int n)
 {
     enum { INTERVALS = 400, WINDOW = 100 };
-    const double h = n * dt_s, k = bounds->stiffness_n_per_m, g = bounds->contact_damping_kg_per_s;
+    const double h = n * dt_s, ahead_s = coupling_ahead_steps(coupling, n) * dt_s;
+    struct spring_trial trial = {.h = h, .ahead_s = ahead_s, .velocity = 1};
     struct stress_loop loop = *bounds;
-    double x = h, force_before = 0, first = 0, last = 0;
+    double first = 0, last = 0;
     loop.last_interval_s = loop.interval_s = h;
+    loop.ahead_s = ahead_s;
     loop.one_step = n == 1;
-    loop.velocity_m_per_s = 1;
-    loop.acceleration_m_per_s2 = 0;
     loop.target_n = 0;
     for (int i = 0; i < INTERVALS; i++) {
-        double end = loop.velocity_m_per_s + 0.5 * h * loop.acceleration_m_per_s2; /* of the last interval */
-        double force = -k * x - g * end, next = loop.velocity_m_per_s;
-        loop.force_n = scheme == SCHEME_PIPELINED ? 2 * force - force_before : force;
-        if (scheme == SCHEME_PIPELINED) /* this interval runs on the command in hand */
-            x += h * next;
-        struct wall_motion motion = stress_motion(scheme, &loop).motion;
-        next = motion.velocity_m_per_s + 0.5 * h * motion.acceleration_m_per_s2;
-        if (scheme != SCHEME_PIPELINED)
-            x += h * next;
-        loop.velocity_m_per_s = next;
-        loop.acceleration_m_per_s2 = motion.acceleration_m_per_s2;
-        force_before = force;
-        double energy = k * x * x + bounds->mass_kg * next * next;
+        loop.force_n = force_expected(&trial, bounds);
+        loop.velocity_m_per_s = trial.velocity;
+        loop.acceleration_m_per_s2 = trial.acceleration;
+        const struct wall_motion motion = stress_motion(coupling->scheme, &loop).motion;
+        trial.x += h * trial.velocity;
+        trial.velocity = motion.velocity_m_per_s + 0.5 * h * motion.acceleration_m_per_s2;
+        trial.acceleration = motion.acceleration_m_per_s2;
+        double energy =
+            bounds->stiffness_n_per_m * trial.x * trial.x + bounds->mass_kg * trial.velocity * trial.velocity;
         if (i < WINDOW)
             first = fmax(first, energy);
         else if (i >= INTERVALS - WINDOW)
@@ -105,11 +132,11 @@ static bool is_stable(int scheme, const struct stress_loop *bounds, double dt_s,
     return last <= 1.1 * first;
 }
 
-int stress_stable_steps(int scheme, const struct stress_loop *loop, double dt_s, int limit)
+int stress_stable_steps(const struct scene_coupling *coupling, const struct stress_loop *loop, double dt_s, int limit)
 {
     int stable = 0, beyond = limit + 1;
     for (int n = 1; n <= limit && stable == n / 2; n *= 2)
-        if (is_stable(scheme, loop, dt_s, n))
+        if (is_stable(coupling, loop, dt_s, n))
             stable = n;
         else
             beyond = n;
@@ -117,7 +144,7 @@ int stress_stable_steps(int scheme, const struct stress_loop *loop, double dt_s,
         return 0;
     while (beyond - stable > 1) {
         int n = stable + (beyond - stable) / 2;
-        if (is_stable(scheme, loop, dt_s, n))
+        if (is_stable(coupling, loop, dt_s, n))
             stable = n;
         else
             beyond = n;

@@ -11,10 +11,11 @@ struct stress_loop {
     double mass_kg, damping_kg_per_s;
     double stiffness_n_per_m, contact_damping_kg_per_s; /* bounds: how the sample's force answers a motion */
     double last_interval_s, interval_s;                 /* 0: no interval before */
+    double ahead_s;                                     /* compensated: the force was told so long before the start */
     bool one_step;                                      /* the interval is a single time step: the exact loop */
     double velocity_m_per_s;                            /* mean over the last interval */
     double acceleration_m_per_s2;                       /* of the last interval, as commanded; 0: none to go on with */
-    double force_n;                                     /* of the sample, at the start of the interval */
+    double force_n;                                     /* of the sample, at the start of the interval, or expected */
     double target_n;                                    /* target pressure times area, at the same time */
 };
 
@@ -23,13 +24,12 @@ struct stress_motion {
     double force_n; /* of the sample, as the motion takes it: with what the scheme foresees of its answer */
 };
 
-/* enum coupling_scheme; SCHEME_IMPEDANCE has its loop in sim and is not for here. Pipelined: force_n is what is
- * expected for the start of the interval. */
+/* enum coupling_scheme; SCHEME_IMPEDANCE has its loop in sim and is not for here. */
 struct stress_motion stress_motion(int scheme, const struct stress_loop *loop);
 
 /* The longest interval [steps] at which the scheme is stable for a wall that pushes on a spring and a damper of the
- * bounds in `loop` (last_interval_s, interval_s, velocity, force and target are not used), found by trying the scheme;
- * at most `limit`, 0 if even a single step is not. */
-int stress_stable_steps(int scheme, const struct stress_loop *loop, double dt_s, int limit);
+ * bounds in `loop` (last_interval_s, interval_s, ahead_s, velocity, force and target are not used), found by trying the
+ * scheme; at most `limit`, 0 if even a single step is not. */
+int stress_stable_steps(const struct scene_coupling *coupling, const struct stress_loop *loop, double dt_s, int limit);
 
 #endif

@@ -55,21 +55,25 @@ static void measure_energies(struct run *run)
     run->energies = (struct run_energies){energy_held(sample_complete(run->sample)), run->sample->step};
 }
 
-/* One interval. Pipelined: the command for the next one is asked for at its start and comes meanwhile. */
+/* One interval, told where it began. The command for the next one may be asked for ahead, and comes meanwhile. */
 static enum status interval(struct run *run, struct wall_state *state)
 {
-    const bool ahead = run->scene->coupling.scheme == SCHEME_PIPELINED;
-    const int n = run->command.n_steps, wanted = run->command.measure;
+    const int n = run->command.n_steps, ahead = coupling_ahead_steps(&run->scene->coupling, n);
+    const bool wanted = run->command.measure;
     run->has_command = false;
-    if (ahead) {
-        sample_wall_state_ahead(run->sample, state);
-        TRY(ask(run, state));
+    if (ahead < n) {
+        TRY(steps(run, n - ahead));
+        sample_wall_state(run->sample, state);
+        if (wanted)
+            measure_energies(run);
     }
-    TRY(steps(run, n));
-    if (wanted)
-        measure_energies(run);
-    if (!ahead)
+    if (ahead == 0)
         return STATUS_OK;
+    sample_wall_state_ahead(run->sample, state);
+    TRY(ask(run, state));
+    TRY(steps(run, ahead));
+    if (wanted && ahead == n)
+        measure_energies(run);
     TRY(exchange_answer(&run->exchange, &run->command));
     run->has_command = run->command.n_steps > 0; /* 0: a stage begins, with a state of its own */
     return STATUS_OK;
