@@ -219,6 +219,8 @@ case_schemes() {
         rm -rf whole cut
         same_in_process --set "coupling.scheme=$scheme" --set coupling.interval_steps=7
     done
+    rm -rf whole cut
+    same_in_process --set coupling.scheme=compensated --set coupling.interval_steps=7 --set coupling.ahead_steps=3
 }
 
 # A kill between END in the log and run.h5 in its place: only run.h5 is to be made, and nothing is computed again. The log

@@ -24,7 +24,8 @@ enum { GIVE_UP_S = 60, PATH_MAX_LENGTH = 256, DISTURB_AT_STEP = 700 };
 
 static const char *sim_path, *wallctl_path, *recorder_path, *scene_path;
 static char directory[64];
-static const char *scheme = "coupling.scheme=hold"; /* of every run and replay */
+static const char *scheme = "coupling.scheme=hold";  /* of every run and replay */
+static const char *ahead = "coupling.ahead_steps=0"; /* for compensated */
 
 static void must(enum status status)
 {
@@ -136,8 +137,8 @@ static void run_in_process(const char *run, const char *setting)
     char url[PATH_MAX_LENGTH + 32];
     make_directory(run);
     snprintf(url, sizeof url, "file://%s?mode=w", path_in(run, "run.lcm"));
-    const char *const sim[] = {sim_path, scene_path, "--in-process", "--lcm", url,
-                               "--set",  setting,    "--set",        scheme,  NULL};
+    const char *const sim[] = {sim_path, scene_path, "--in-process", "--lcm", url,   "--set",
+                               setting,  "--set",    scheme,         "--set", ahead, NULL};
     expect_success("sim", run_program(path_in(run, "sim.txt"), sim), path_in(run, "sim.txt"));
     const char *const convert[] = {recorder_path, "--from", path_in(run, "run.lcm"), "--out", path_in(run, "."), NULL};
     expect_success("recorder", run_program(path_in(run, "recorder.txt"), convert), path_in(run, "recorder.txt"));
@@ -210,8 +211,8 @@ static void relay_start(struct relay *relay, struct bus *run)
 
 static pid_t start_wallctl(const char *run, const char *setting)
 {
-    const char *const arguments[] = {wallctl_path, scene_path, "--run-id", "5", "--set",
-                                     setting,      "--set",    scheme,     NULL};
+    const char *const arguments[] = {wallctl_path, scene_path, "--run-id", "5",   "--set", setting,
+                                     "--set",      scheme,     "--set",    ahead, NULL};
     return start(path_in(run, "wallctl.txt"), arguments);
 }
 
@@ -271,7 +272,8 @@ static void run_with(struct live *live, const char *run, const char *setting)
         relay_start(live->relay, &live->bus);
     const char *const recorder[] = {
         recorder_path, "--run-id", "5", "--out", path_in(run, "."), live->relay ? "--lcm" : NULL, RECORDER_URL, NULL};
-    const char *const sim[] = {sim_path, scene_path, "--run-id", "5", "--set", setting, "--set", scheme, NULL};
+    const char *const sim[] = {sim_path, scene_path, "--run-id", "5",   "--set", setting,
+                               "--set",  scheme,     "--set",    ahead, NULL};
     live->recorder = start(path_in(run, "recorder.txt"), recorder);
     live->wallctl = start_wallctl(run, setting);
     live->sim = start(path_in(run, "sim.txt"), sim);
@@ -346,8 +348,8 @@ static void same_run(const char *a, const char *b)
 /* Exit code of a replay of <run>/run.lcm; what it printed stays in replay.txt. */
 static int replay(const char *program, const char *run, const char *log, const char *setting)
 {
-    const char *const arguments[] = {program, "--replay", path_in(run, log), scene_path, "--set", setting, "--set",
-                                     scheme,  NULL};
+    const char *const arguments[] = {program, "--replay", path_in(run, log), scene_path, "--set", setting,
+                                     "--set", scheme,     "--set",           ahead,      NULL};
     return run_program(path_in(run, "replay.txt"), arguments);
 }
 
@@ -433,14 +435,15 @@ static void over_the_bus_at_every_seventh_step(void **state)
 /* Each scheme: the same motion on both sides of the bus, also when the controller dies meanwhile, and in replays. */
 static void every_scheme_gives_the_same_bits(void **state)
 {
-    static const char *const schemes[] = {"coupling.scheme=jacobian", "coupling.scheme=pipelined",
-                                          "coupling.scheme=adaptive", "coupling.scheme=impedance",
-                                          "coupling.scheme=compensated"};
+    static const char *const schemes[] = {"coupling.scheme=jacobian",    "coupling.scheme=pipelined",
+                                          "coupling.scheme=adaptive",    "coupling.scheme=impedance",
+                                          "coupling.scheme=compensated", "coupling.scheme=compensated"};
     (void)state;
-    for (int k = 0; k < 5; k++) {
+    for (int k = 0; k < 6; k++) {
         char here[32], bus[40];
         scheme = schemes[k];
-        snprintf(here, sizeof here, "%s", strchr(scheme, '=') + 1);
+        ahead = k < 5 ? "coupling.ahead_steps=0" : "coupling.ahead_steps=3";
+        snprintf(here, sizeof here, "%s%s", strchr(scheme, '=') + 1, k < 5 ? "" : "-ahead");
         snprintf(bus, sizeof bus, "%s-bus", here);
         run_in_process(here, every_seventh);
         run_disturbed(bus, every_seventh, false);
@@ -449,7 +452,9 @@ static void every_scheme_gives_the_same_bits(void **state)
         expect_replay(wallctl_path, bus, "run.lcm", every_seventh, 0, "commands equal");
         expect_replay(sim_path, bus, "run.lcm", every_seventh, 0, "wall states equal");
     }
+    assert_true(end_of("compensated").state_hash != end_of("compensated-ahead").state_hash);
     scheme = "coupling.scheme=hold";
+    ahead = "coupling.ahead_steps=0";
 }
 
 static void replays_give_the_same_bits(void **state)
