@@ -74,6 +74,8 @@ static enum status load_and_act(const struct command_line *line, const struct op
     if (!scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
     enum status status = scene_load(scene, line->positional[0], line->override, line->n_overrides);
+    if (options->controller)
+        scene->coupling.ahead_steps = 0; /* a program of one's own is asked when its command is wanted */
     if (status == STATUS_OK)
         status = act(scene, line, options);
     scene_free(scene);
