@@ -182,10 +182,8 @@ static struct gas_ledger gas_run(int dimension, int steps_a_contact, double mu)
 }
 
 /* Friction takes all of the energy in some hundred impacts: what is missing then is what its terms leave. On the way
- * there is more, which is not friction's: the energy that a step of velocity Verlet keeps differs from that of springs
- * and velocities by (omega dt)^2/4 of what springs hold, at 20 steps to a contact time 6e-3 of a contact of the
- * smallest two, and impacts begin and end between steps; the same grains without friction have as much. Second order,
- * the coarse steps being at its edge, so that the whole range is fitted. */
+ * more is missing, as much as the same grains miss without friction. Second order, the coarse steps being at its edge,
+ * so that the whole range is fitted. */
 static void ledger_without_damping(void **state)
 {
     (void)state;
