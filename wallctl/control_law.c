@@ -290,6 +290,16 @@ static void command_start(const struct scene *scene, const struct wall_state *st
         command->position_m[wall] = state->position_m[wall];
 }
 
+/* The force that goes on as it went, `part` of the way from before to now. Contacts that just began or let go do not,
+ * and none that pushed is expected to pull. */
+static double expected_force_n(double before_n, double now_n, double part, bool always)
+{
+    const double expected_n = now_n + part * (now_n - before_n);
+    if (always)
+        return expected_n;
+    return before_n > 0 && now_n > 0 ? fmax(0, expected_n) : now_n;
+}
+
 /* The state expected at command_step: where the command in force leads to, and forces that go on as they went. */
 static struct wall_state state_ahead(const struct wall_state *state, const struct scene *scene)
 {
@@ -311,7 +321,7 @@ static struct wall_state state_ahead(const struct wall_state *state, const struc
     for (int wall = 0; wall < state->n_walls; wall++) {
         ahead.position_m[wall] = state->ahead_position_m[wall];
         ahead.velocity_m_per_s[wall] = state->ahead_velocity_m_per_s[wall];
-        ahead.force_n[wall] += part * (state->force_n[wall] - state->force_before_n[wall]);
+        ahead.force_n[wall] = expected_force_n(state->force_before_n[wall], state->force_n[wall], part, whole);
     }
     return ahead;
 }

@@ -7,9 +7,10 @@
 
 /* compensated: the lag of the added mass's acceleration behind the wall's, in units of added mass over damping. With a
  * lag of 1 it gives back at most the energy that the wall's damping takes, at any frequency; sampled once an interval,
- * contacts as stiff as the bound need 1.3. Asked for ahead, by up to half an interval, they need 1.9 with one and a
- * half times the added mass (docs/coupling.md, test_sim_coupling). */
-static const double LAG = 1.5, LAG_AHEAD = 2.25, ADDED_AHEAD = 1.5;
+ * contacts as stiff as the bound need 1.3. Asked for ahead, by up to half an interval, particles that answer late make
+ * it need more mass as well, for their stiffness and above all for their damping (docs/coupling.md,
+ * test_sim_coupling). */
+static const double LAG = 1.5, LAG_AHEAD = 2.25, STIFF_AHEAD = 3, DAMPED_AHEAD = 4;
 
 /* The force that the sample answers a change of velocity with over half an interval acts like a mass on the wall. With
  * the stiffness as an upper bound this is stable for any interval: K H/gamma < 2 coth(gamma H/2m) holds for
@@ -17,10 +18,12 @@ static const double LAG = 1.5, LAG_AHEAD = 2.25, ADDED_AHEAD = 1.5;
  * (docs/coupling.md). */
 static double added_mass_kg(int scheme, const struct stress_loop *loop, double apart_s)
 {
-    const double factor = scheme == SCHEME_PIPELINED ? 2 : loop->ahead_s > 0 ? 0.25 * ADDED_AHEAD : 0.25;
+    const bool ahead = loop->ahead_s > 0;
+    const double stiff = scheme == SCHEME_PIPELINED ? 2 : ahead ? 0.25 * STIFF_AHEAD : 0.25;
+    const double damped = ahead ? 0.5 * DAMPED_AHEAD : 0.5;
     if (scheme == SCHEME_HOLD)
         return 0;
-    return apart_s * (factor * loop->stiffness_n_per_m * apart_s + 0.5 * loop->contact_damping_kg_per_s);
+    return apart_s * (stiff * loop->stiffness_n_per_m * apart_s + damped * loop->contact_damping_kg_per_s);
 }
 
 /* The mass M of v+ = v- + (F - p A - gamma v-) T/M when the damping is exactly integrated. */
