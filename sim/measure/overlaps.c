@@ -2,14 +2,14 @@
 
 #include <math.h>
 
-static double distance_m(const struct particles *p, int i, int j)
+static double distance2_m2(const struct particles *p, int i, int j)
 {
     double d2 = 0;
     for (int c = 0; c < p->dimension; c++) {
         const double d = p->x[c][i] - p->x[c][j];
         d2 += d * d;
     }
-    return sqrt(d2);
+    return d2;
 }
 
 struct largest_overlap overlaps_largest(struct sample *sample)
@@ -19,8 +19,10 @@ struct largest_overlap overlaps_largest(struct sample *sample)
     particles_export_positions(p);
     for (int k = 0; k < sample->pairs.count; k++) {
         const int i = sample->pairs.i[k], j = sample->pairs.j[k];
-        const double overlap = p->radius[i] + p->radius[j] - distance_m(p, i, j);
-        const double ratio = overlap / fmin(p->radius[i], p->radius[j]);
+        const double reach = p->radius[i] + p->radius[j], d2 = distance2_m2(p, i, j);
+        if (d2 >= reach * reach)
+            continue;
+        const double ratio = (reach - sqrt(d2)) / fmin(p->radius[i], p->radius[j]);
         if (ratio > largest.ratio)
             largest = (struct largest_overlap){ratio, p->id[i], p->id[j]};
     }

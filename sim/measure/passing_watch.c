@@ -6,6 +6,9 @@
 /* On a straight way the normal turns by more than 90 degrees where the distance of the centres falls below 1/sqrt(2) of
  * the sum of the radii: an overlap of 0.29 of that sum. Small grains that slide along large ones overlap by less. */
 static const double DEEP = 0.25;
+/* Pairs are followed from this overlap on, which most contacts never have: those that pass through at more than 0.67 of
+ * the sum of the radii are missed. */
+static const double FOLLOWED = 0.05;
 
 static int by_ids(const void *a, const void *b)
 {
@@ -13,7 +16,7 @@ static int by_ids(const void *a, const void *b)
     return x->i != y->i ? (x->i > y->i) - (x->i < y->i) : (x->j > y->j) - (x->j < y->j);
 }
 
-/* From the particle in slot j to that in slot i [m]; returns the distance. */
+/* From the particle in slot j to that in slot i [m]; returns the square of the distance. */
 static double normal_of(const struct particles *p, int i, int j, double *normal)
 {
     double d2 = 0;
@@ -21,10 +24,10 @@ static double normal_of(const struct particles *p, int i, int j, double *normal)
         normal[c] = p->x[c][i] - p->x[c][j];
         d2 += normal[c] * normal[c];
     }
-    return sqrt(d2);
+    return d2;
 }
 
-/* Of those that touched at the last look: whose normal has turned round since they came together? */
+/* Of those that overlapped at the last look: whose normal has turned round since they came together? */
 static void turned_count(struct passing_watch *watch, const struct sample *sample)
 {
     const struct particles *p = &sample->particles;
@@ -59,7 +62,7 @@ static enum status room_for(struct passing_watch *watch, size_t n)
     return STATUS_OK;
 }
 
-/* Those that touch now, with the normal that they had when they came together or, after a while, with that of now. */
+/* Those that overlap now, with the normal that they had when they came together or, after a while, with that of now. */
 static size_t touching_collect(const struct passing_watch *watch, const struct sample *sample)
 {
     const struct particles *p = &sample->particles;
@@ -69,10 +72,10 @@ static size_t touching_collect(const struct passing_watch *watch, const struct s
         const bool rising = p->id[list->i[k]] < p->id[list->j[k]];
         const int i = rising ? list->i[k] : list->j[k], j = rising ? list->j[k] : list->i[k];
         struct passing_pair now = {.i = p->id[i], .j = p->id[j], .since = sample->step};
-        const double overlap = p->radius[i] + p->radius[j] - normal_of(p, i, j, now.normal);
-        if (overlap <= 0)
+        const double reach = p->radius[i] + p->radius[j], d2 = normal_of(p, i, j, now.normal);
+        if (d2 > (1 - FOLLOWED) * (1 - FOLLOWED) * reach * reach)
             continue;
-        const double part = overlap / (p->radius[i] + p->radius[j]);
+        const double part = 1 - sqrt(d2) / reach;
         const struct passing_pair *known =
             watch->n > 0 ? bsearch(&now, watch->pair, watch->n, sizeof now, by_ids) : NULL;
         if (known && sample->step - known->since <= PASSING_WATCH_TURN_STEPS)

@@ -8,7 +8,7 @@
  * that roll about each other. */
 enum { PASSING_WATCH_TURN_STEPS = 64 };
 
-/* Particles that touched at the last look, by their ids, i < j. */
+/* Particles that overlapped by a twentieth of the sum of their radii at the last look, by their ids, i < j. */
 struct passing_pair {
     int32_t i, j;
     int64_t since;    /* step at which the normal was that: */

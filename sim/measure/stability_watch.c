@@ -18,7 +18,6 @@ void stability_watch_start(struct stability_watch *watch)
 enum status stability_watch_look_at_contacts(struct stability_watch *watch, struct sample *sample)
 {
     const struct largest_overlap now = overlaps_largest(sample);
-    watch->fastest_ratio = fmax(watch->fastest_ratio, overlaps_of_fastest(sample));
     const double limit = sample->scene->stage[sample->stage].limits.overlap_ratio;
     char other[32];
     if (now.ratio > watch->overlap_ratio) {
@@ -130,6 +129,7 @@ enum status stability_watch_look(struct stability_watch *watch, struct sample *s
     watch->inertial_max = fmax(watch->inertial_max, inertial);
     stress_look(watch, sample);
     place_look(watch, sample);
+    watch->fastest_ratio = fmax(watch->fastest_ratio, overlaps_of_fastest(sample));
     TRY(stability_watch_look_at_contacts(watch, sample));
     return opening_look(watch, sample);
 }

@@ -17,8 +17,9 @@
 static const double COARSE_STEPS = 6, REST_ENERGY = 1e-3, REST_FORCE = 1e-2, WIDE_OVERLAP = 0.05, OPEN_LEDGER = 0.01;
 /* An overlap of both radii is a particle that comes out on the other side; contacts of slower ones are looked at. */
 static const double PASSING = 2;
-/* Particles that could overlap by so much come and go between looks: their contacts are looked at every few steps, of
- * which a contact has 12 to 20; and those that are twice as fast at every step. */
+/* Particles that could overlap by so much come and go between looks: contacts are looked at about once in each, which
+ * has 12 to 20 steps; and where they could overlap by twice as much every few steps: a particle that passes through at
+ * the speed of PASSING is inside for 8 or more. */
 static const double HURRYING = 0.25;
 enum { HURRY_STEPS = 4 };
 /* A box that has moved by this part of its length carries the sample along. */
@@ -124,7 +125,7 @@ static enum status note_extremes(struct run *run)
 static void hurry_set(struct run *run)
 {
     const double fastest = overlaps_of_fastest(run->sample);
-    run->judge.hurry_steps = fastest > 2 * HURRYING ? 1 : fastest > HURRYING ? HURRY_STEPS : 0;
+    run->judge.hurry_steps = fastest > 2 * HURRYING ? HURRY_STEPS : fastest > HURRYING ? 4 * HURRY_STEPS : 0;
     if (run->judge.hurry_steps == 0)
         passing_watch_forget(&run->judge.passing);
 }
