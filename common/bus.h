@@ -57,8 +57,8 @@ struct bus {
  * STATUS_BUS with the likely cause (no multicast route) on failure. */
 enum status bus_open(struct bus *bus, const char *url) MUST_USE;
 
-/* The same, but receives in the caller's thread (common/udp_receiver.h) where the URL lets it: quick answers, for those
- * who take few and small messages and never pause for long. */
+/* The same, but receives in the caller's thread (common/udp_receiver.h) where the URL lets it: quick answers, and no
+ * wake-ups by what others are told, for those who take few channels, whose senders wait for them (windows). */
 enum status bus_open_direct(struct bus *bus, const char *url) MUST_USE;
 void bus_close(struct bus *bus);
 

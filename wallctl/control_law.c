@@ -430,6 +430,5 @@ int wallctl_stable_steps(const struct scene_coupling *coupling, const struct sce
     struct scene_coupling trial = *coupling;
     if (trial.scheme == SCHEME_IMPEDANCE)
         trial.scheme = SCHEME_HOLD;
-    const int scheme = trial.scheme;
-    return stress_stable_steps(&trial, &loop, dt_s, scheme == SCHEME_HOLD ? n : (n + 1) / 2);
+    return stress_stable_steps(&trial, &loop, dt_s, trial.scheme == SCHEME_HOLD ? n : (n + 1) / 2);
 }
