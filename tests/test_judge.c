@@ -145,15 +145,15 @@ static void the_watch_sees_walls_that_leave_and_a_box_that_drifts(void **unused)
     axis[AXIS_X].mode = WALL_STRESS;
     axis[AXIS_X].opposite = OPPOSITE_CONSTANT;
     stability_watch_start(&watch);
-    must(stability_watch_look(&watch, sample));
+    must(stability_watch_look(&watch, sample, NULL));
     assert_true(watch.left[1] == 0 && watch.drift[0] == 0); /* not touched so far */
     sample->walls[2].touching = 1;
-    must(stability_watch_look(&watch, sample));
+    must(stability_watch_look(&watch, sample, NULL));
     sample->walls[2].touching = 0;
     sample->walls[0].x += 0.1 * length;
     sample->walls[1].x += 0.1 * length;
-    must(stability_watch_look(&watch, sample));
-    must(stability_watch_look(&watch, sample));
+    must(stability_watch_look(&watch, sample, NULL));
+    must(stability_watch_look(&watch, sample, NULL));
     assert_true(watch.left[1] == 2 && watch.left[0] == 0);
     assert_true(fabs(watch.drift[0] - 0.1) < 1e-12 && watch.drift[1] == 0);
     fixture_close(&fixture);
@@ -167,6 +167,7 @@ static int64_t passed_by(int dimension, const char *more, double speed, double a
     struct fixture_options options = {
         .dimension = dimension, .count = 2, .dt_s = dt, .material = "kn_n_per_m = 1e5;", .more = more};
     struct passing_watch watch = {0};
+    struct largest_overlap largest;
     struct fixture fixture = fixture_open(&options);
     struct particles *p = &fixture.sample->particles;
     for (int c = 0; c < dimension; c++)
@@ -180,7 +181,7 @@ static int64_t passed_by(int dimension, const char *more, double speed, double a
     fixture_start(&fixture);
     for (int k = 0; k < 60; k++) {
         must(sample_step_open(fixture.sample));
-        must(passing_watch_look(&watch, fixture.sample));
+        must(overlaps_look(fixture.sample, &watch, &largest));
     }
     const int64_t passed = watch.passed;
     assert_true(passed == 0 || (watch.last[0] == 0 && watch.last[1] == 1));

@@ -294,7 +294,7 @@ static void command_start(const struct scene *scene, const struct wall_state *st
  * and none that pushed is expected to pull. */
 static double expected_force_n(double before_n, double now_n, double part, bool always)
 {
-    const double expected_n = now_n + part * (now_n - before_n);
+    const double expected_n = stress_force_ahead_n(before_n, now_n, part);
     if (always)
         return expected_n;
     return before_n > 0 && now_n > 0 ? fmax(0, expected_n) : now_n;

@@ -75,6 +75,11 @@ struct stress_motion stress_motion(int scheme, const struct stress_loop *loop)
     return result;
 }
 
+double stress_force_ahead_n(double before_n, double now_n, double part)
+{
+    return now_n + part * (now_n - before_n);
+}
+
 /* A wall on a spring and a damper, in intervals of h. */
 struct spring_trial {
     double h, ahead_s; /* a command is asked for so long before its interval */
@@ -98,8 +103,8 @@ static double force_expected(struct spring_trial *trial, const struct stress_loo
     const double start = spring_force(trial, bounds, 0), asked = spring_force(trial, bounds, asked_s);
     trial->force_before = start;
     if (asked_s <= 0)
-        return 2 * start - before;
-    return asked + trial->ahead_s / asked_s * (asked - start);
+        return stress_force_ahead_n(before, start, 1);
+    return stress_force_ahead_n(start, asked, trial->ahead_s / asked_s);
 }
 
 /* Whether a disturbance of a wall on the spring and damper does not grow, n steps per interval: its largest energy over

@@ -27,6 +27,10 @@ struct stress_motion {
 /* enum coupling_scheme; SCHEME_IMPEDANCE has its loop in sim and is not for here. */
 struct stress_motion stress_motion(int scheme, const struct stress_loop *loop);
 
+/* The force [N] that is expected when it goes on as it went: `part` times the way from before_n to now_n beyond now_n.
+ */
+double stress_force_ahead_n(double before_n, double now_n, double part);
+
 /* The longest interval [steps] at which the scheme is stable for a wall that pushes on a spring and a damper of the
  * bounds in `loop` (last_interval_s, interval_s, ahead_s, velocity, force and target are not used), found by trying the
  * scheme; at most `limit`, 0 if even a single step is not. */

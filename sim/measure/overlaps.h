@@ -2,6 +2,7 @@
 #ifndef SHAKEDOWN_SIM_MEASURE_OVERLAPS_H
 #define SHAKEDOWN_SIM_MEASURE_OVERLAPS_H
 
+#include "sim/measure/passing_watch.h"
 #include "sim/sample/sample.h"
 
 /* The largest overlap over the smaller radius; 0: nothing touches. */
@@ -10,8 +11,10 @@ struct largest_overlap {
     int i, j; /* ids; j < 0: wall -1-j */
 };
 
-/* Of the positions as they are now; the last step need not be complete. */
-struct largest_overlap overlaps_largest(struct sample *sample);
+/* A look at the positions as they are now; the last step need not be complete. `passing`: who sees in the same walk
+ * which particles pass through each other; NULL: nobody. Errors: STATUS_NO_MEMORY. */
+enum status overlaps_look(struct sample *sample, struct passing_watch *passing,
+                          struct largest_overlap *largest) MUST_USE;
 
 /* The overlap, over the smallest radius, that a head-on contact of two particles of the largest speed there is would
  * reach in loading: beyond 1 they pass through each other. */

@@ -16,15 +16,11 @@ static int by_ids(const void *a, const void *b)
     return x->i != y->i ? (x->i > y->i) - (x->i < y->i) : (x->j > y->j) - (x->j < y->j);
 }
 
-/* From the particle in slot j to that in slot i [m]; returns the square of the distance. */
-static double normal_of(const struct particles *p, int i, int j, double *normal)
+/* From the particle in slot j to that in slot i [m]. */
+static void normal_of(const struct particles *p, int i, int j, double *normal)
 {
-    double d2 = 0;
-    for (int c = 0; c < p->dimension; c++) {
+    for (int c = 0; c < p->dimension; c++)
         normal[c] = p->x[c][i] - p->x[c][j];
-        d2 += normal[c] * normal[c];
-    }
-    return d2;
 }
 
 /* Of those that overlapped at the last look: whose normal has turned round since they came together? */
@@ -34,7 +30,7 @@ static void turned_count(struct passing_watch *watch, const struct sample *sampl
     for (size_t k = 0; k < watch->n; k++) {
         struct passing_pair *pair = &watch->pair[k];
         double now[3], along = 0;
-        (void)normal_of(p, p->slot[pair->i], p->slot[pair->j], now);
+        normal_of(p, p->slot[pair->i], p->slot[pair->j], now);
         for (int c = 0; c < p->dimension; c++)
             along += now[c] * pair->normal[c];
         if (along >= 0 || pair->overlap < DEEP || sample->step - pair->since > PASSING_WATCH_TURN_STEPS)
@@ -62,42 +58,40 @@ static enum status room_for(struct passing_watch *watch, size_t n)
     return STATUS_OK;
 }
 
-/* Those that overlap now, with the normal that they had when they came together or, after a while, with that of now. */
-static size_t touching_collect(const struct passing_watch *watch, const struct sample *sample)
+enum status passing_watch_begin(struct passing_watch *watch, const struct sample *sample)
 {
-    const struct particles *p = &sample->particles;
-    const struct contact_list *list = &sample->pairs;
-    size_t n = 0;
-    for (int k = 0; k < list->count; k++) {
-        const bool rising = p->id[list->i[k]] < p->id[list->j[k]];
-        const int i = rising ? list->i[k] : list->j[k], j = rising ? list->j[k] : list->i[k];
-        struct passing_pair now = {.i = p->id[i], .j = p->id[j], .since = sample->step};
-        const double reach = p->radius[i] + p->radius[j], d2 = normal_of(p, i, j, now.normal);
-        if (d2 > (1 - FOLLOWED) * (1 - FOLLOWED) * reach * reach)
-            continue;
-        const double part = 1 - sqrt(d2) / reach;
-        const struct passing_pair *known =
-            watch->n > 0 ? bsearch(&now, watch->pair, watch->n, sizeof now, by_ids) : NULL;
-        if (known && sample->step - known->since <= PASSING_WATCH_TURN_STEPS)
-            now = *known;
-        now.overlap = fmax(now.overlap, part);
-        watch->next[n++] = now;
-    }
-    return n;
+    turned_count(watch, sample);
+    watch->n_next = 0;
+    return room_for(watch, (size_t)sample->pairs.count);
 }
 
-enum status passing_watch_look(struct passing_watch *watch, struct sample *sample)
+/* Of a pair that was followed, the normal that it had when it came together; after a while, that of now. */
+void passing_watch_add(struct passing_watch *watch, const struct sample *sample, int place, double overlap)
 {
-    particles_export_positions(&sample->particles);
-    turned_count(watch, sample);
-    TRY(room_for(watch, (size_t)sample->pairs.count));
-    watch->n = touching_collect(watch, sample);
+    const struct particles *p = &sample->particles;
+    const int first = sample->pairs.i[place], second = sample->pairs.j[place];
+    const bool rising = p->id[first] < p->id[second];
+    const int i = rising ? first : second, j = rising ? second : first;
+    struct passing_pair now = {.i = p->id[i], .j = p->id[j], .since = sample->step};
+    if (overlap < FOLLOWED)
+        return;
+    const struct passing_pair *known = watch->n > 0 ? bsearch(&now, watch->pair, watch->n, sizeof now, by_ids) : NULL;
+    if (known && sample->step - known->since <= PASSING_WATCH_TURN_STEPS)
+        now = *known;
+    else
+        normal_of(p, i, j, now.normal);
+    now.overlap = fmax(now.overlap, overlap);
+    watch->next[watch->n_next++] = now;
+}
+
+void passing_watch_end(struct passing_watch *watch)
+{
     struct passing_pair *spare = watch->pair;
     watch->pair = watch->next;
     watch->next = spare;
+    watch->n = watch->n_next;
     if (watch->n > 0)
         qsort(watch->pair, watch->n, sizeof *watch->pair, by_ids);
-    return STATUS_OK;
 }
 
 void passing_watch_forget(struct passing_watch *watch)

@@ -18,15 +18,19 @@ struct passing_pair {
 
 struct passing_watch {
     struct passing_pair *pair, *next; /* [capacity], in the order of ids; and the ones under construction */
-    size_t n, capacity;
+    size_t n, n_next, capacity;
     int64_t passed;  /* so far */
     int32_t last[2]; /* ids of the last two that did, and the step at which it was seen */
     int64_t last_step;
 };
 
-/* A look at the positions as they are; the last step need not be complete. Between looks particles may move by part of
- * a radius. Errors: STATUS_NO_MEMORY. */
-enum status passing_watch_look(struct passing_watch *watch, struct sample *sample) MUST_USE;
+/* A look, as part of overlaps_look: what has become of those that were followed; then every pair of the list that
+ * overlaps, by its place in it and its overlap over the sum of the radii; then the end of it. Positions are exported;
+ * the last step need not be complete. Between looks particles may move by part of a radius. Errors: STATUS_NO_MEMORY.
+ */
+enum status passing_watch_begin(struct passing_watch *watch, const struct sample *sample) MUST_USE;
+void passing_watch_add(struct passing_watch *watch, const struct sample *sample, int place, double overlap);
+void passing_watch_end(struct passing_watch *watch);
 
 /* Forgets who touched: the next look begins anew. */
 void passing_watch_forget(struct passing_watch *watch);

@@ -15,9 +15,11 @@ void stability_watch_start(struct stability_watch *watch)
     *watch = (struct stability_watch){0};
 }
 
-enum status stability_watch_look_at_contacts(struct stability_watch *watch, struct sample *sample)
+enum status stability_watch_look_at_contacts(struct stability_watch *watch, struct sample *sample,
+                                             struct passing_watch *passing)
 {
-    const struct largest_overlap now = overlaps_largest(sample);
+    struct largest_overlap now;
+    TRY(overlaps_look(sample, passing, &now));
     const double limit = sample->scene->stage[sample->stage].limits.overlap_ratio;
     char other[32];
     if (now.ratio > watch->overlap_ratio) {
@@ -121,7 +123,7 @@ static void place_look(struct stability_watch *watch, const struct sample *sampl
     }
 }
 
-enum status stability_watch_look(struct stability_watch *watch, struct sample *sample)
+enum status stability_watch_look(struct stability_watch *watch, struct sample *sample, struct passing_watch *passing)
 {
     const double inertial = measure_inertial_number(sample);
     watch->looks++;
@@ -130,6 +132,6 @@ enum status stability_watch_look(struct stability_watch *watch, struct sample *s
     stress_look(watch, sample);
     place_look(watch, sample);
     watch->fastest_ratio = fmax(watch->fastest_ratio, overlaps_of_fastest(sample));
-    TRY(stability_watch_look_at_contacts(watch, sample));
+    TRY(stability_watch_look_at_contacts(watch, sample, passing));
     return opening_look(watch, sample);
 }

@@ -130,14 +130,9 @@ static void hurry_set(struct run *run)
         passing_watch_forget(&run->judge.passing);
 }
 
-static enum status look_at_fast_ones(struct run *run)
+static enum status note_passing(struct run *run)
 {
     struct run_judge *judge = &run->judge;
-    const int64_t before = judge->passing.passed;
-    TRY(stability_watch_look_at_contacts(&judge->watch, run->sample));
-    TRY(passing_watch_look(&judge->passing, run->sample));
-    if (judge->passing.passed == before || judge->passing_noted)
-        return STATUS_OK;
     judge->passing_noted = true;
     return add_note(
         run, NOTE_DOUBTFUL,
@@ -168,14 +163,21 @@ enum status run_judge_stage_start(struct run *run)
 
 enum status run_judge_step(struct run *run)
 {
-    const int64_t step = run->sample->stage_step;
+    struct run_judge *judge = &run->judge;
+    const int64_t step = run->sample->stage_step, passed = judge->passing.passed;
+    const bool whole = step % STABILITY_WATCH_STEPS == 0,
+               fast = judge->hurry_steps > 0 && step % judge->hurry_steps == 0;
+    struct passing_watch *passing = fast ? &judge->passing : NULL;
     if (run->options->replay)
         return STATUS_OK;
-    if (run->judge.hurry_steps > 0 && step % run->judge.hurry_steps == 0)
-        TRY(look_at_fast_ones(run));
-    if (step % STABILITY_WATCH_STEPS != 0)
+    if (whole)
+        TRY(stability_watch_look(&judge->watch, run->sample, passing));
+    else if (fast)
+        TRY(stability_watch_look_at_contacts(&judge->watch, run->sample, passing));
+    if (judge->passing.passed > passed && !judge->passing_noted)
+        TRY(note_passing(run));
+    if (!whole)
         return STATUS_OK;
-    TRY(stability_watch_look(&run->judge.watch, run->sample));
     hurry_set(run);
     return note_extremes(run);
 }
@@ -237,7 +239,7 @@ enum status run_judge_stage_end(struct run *run, int ended)
     if (run->options->replay)
         return STATUS_OK;
     const struct complete_sample whole = sample_complete(run->sample);
-    TRY(stability_watch_look(&run->judge.watch, run->sample));
+    TRY(stability_watch_look(&run->judge.watch, run->sample, NULL));
     TRY(note_extremes(run));
     TRY(measure(whole, &m));
     stress_text(run, stress, sizeof stress);
