@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The shipped scenes: what each is to keep and how well it does, inertial number, time, verdict (docs/control.md):
 # ./shakedown bench element-tests [--quick] [--bus] [--exact] [--out DIR] [--seed N] [--set KEY=VALUE]... [SCENE]...
-# --quick: short forms of the tests; --bus: through sim, wallctl and recorder instead of in one process; --exact: both ways
-# at an exchange in every step, and whether they come to the same bits. Exit code 1 if a scene does not keep to a bound.
+# --quick: short forms of the tests; --bus: through sim, wallctl and recorder instead of in one process; --exact: short
+# forms of few grains both ways, at an exchange in every step, and whether they come to the same bits. Exit code 1 if a scene does not keep to a bound.
 set -euo pipefail
 # shellcheck source=options.sh
 . "${BASH_SOURCE[0]%/*}/options.sh"
