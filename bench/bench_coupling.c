@@ -202,13 +202,14 @@ static enum status run_point(struct coupling_work *work, struct coupling_point *
 
 static void tell(const struct bench *bench, const struct coupling_work *work, const struct coupling_point *point)
 {
-    char name[64], what[128];
+    char name[64], what[sizeof point->message + 128];
     coupling_point_name(point, name, sizeof name);
     if (point->ran)
         snprintf(what, sizeof what, "%-16s %6.3f times, %.1e", name, point->ratio[point->n_ratios - 1],
                  coupling_error(work->at, &point->errors));
     else
-        snprintf(what, sizeof what, "%-16s %s", name, point->failed ? "failed" : "unstable");
+        snprintf(what, sizeof what, "%-16s %s%s", name, point->failed ? "failed: " : "unstable",
+                 point->failed ? point->message : "");
     say(bench, work, what);
 }
 

@@ -87,6 +87,8 @@ static void socket_open(struct end *end)
     struct ip_mreq membership = {.imr_multiaddr = end->group.sin_addr};
     must(setsockopt(end->socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0, "SO_REUSEADDR");
     must(setsockopt(end->socket, SOL_SOCKET, SO_REUSEPORT, &on, sizeof on) == 0, "SO_REUSEPORT");
+    const struct timeval patience = {.tv_sec = GIVE_UP_MS / 1000, .tv_usec = GIVE_UP_MS % 1000 * 1000};
+    must(setsockopt(end->socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) == 0, "SO_RCVTIMEO");
     must(bind(end->socket, (struct sockaddr *)&here, sizeof here) == 0, "bind");
     must(setsockopt(end->socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0, "multicast");
 }
@@ -258,10 +260,12 @@ static json_t *measure(const struct layer *layer, const struct scene *scene, int
         end.is_server = true;
         end.in = there[0];
         end.out = back[1];
+        must(close(there[1]) == 0 && close(back[0]) == 0, "close");
         serve(&end, layer, rounds);
     }
+    must(close(there[0]) == 0 && close(back[1]) == 0, "close"); /* so that the end of the other is seen */
     layer->open(&end);
-    must(read(end.in, &ready, 1) == 1, "read");
+    must(read(end.in, &ready, 1) == 1, "the answering process");
     long before = 0;
     for (int64_t k = 0; k < rounds + WARM_UP; k++) {
         if (k == WARM_UP)
@@ -281,10 +285,7 @@ static json_t *measure(const struct layer *layer, const struct scene *scene, int
         bus_close(&end.bus);
     if (end.socket > 0)
         close(end.socket);
-    for (int k = 0; k < 2; k++) {
-        close(there[k]);
-        close(back[k]);
-    }
+    must(close(there[1]) == 0 && close(back[0]) == 0, "close");
     qsort(round_us, (size_t)rounds, sizeof *round_us, by_size);
     json_t *row = json_pack("{s:s, s:s, s:f, s:f, s:f, s:f}", "layer", layer->name, "what", layer->what, "least_us",
                             round_us[0], "median_us", round_us[rounds / 2], "p99_us", round_us[rounds * 99 / 100],

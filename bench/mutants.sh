@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Do the tests notice faults? ./shakedown bench mutants [--only MODULE] [--again]
+# Do the tests notice faults? ./shakedown bench mutants [--only MODULE] [--again] [--at-most N]
 # Each line of bench/mutants.txt is a one-line fault in recorder, analyzer, common or wallctl. It is put into a copy of the
 # tree (build-mutants/source), the programs of that module's quick tests are built, and the tests are run: a fault that
 # none of them notices is alive, and is listed. What was tried is kept (build-mutants/tried.txt) and is not tried again
-# unless the line has changed, or with --again. Exit code 1 if more than 3 are alive.
+# unless the line has changed, or with --again; --at-most: no more than N this time. Exit code 1 if more than 3 are alive.
 set -euo pipefail
 # shellcheck source=options.sh
 . "${BASH_SOURCE[0]%/*}/options.sh"
-read_options '--again' '--only' '--again --only' "$@"
+read_options '--again' '--only --at-most' '--again --only --at-most' "$@"
 
 scratch=$root/build-mutants source=$root/build-mutants/source
 list=$root/bench/mutants.txt tried=$scratch/tried.txt
@@ -45,8 +45,10 @@ build_of() { # MODULE
     build "${names[@]}"
 }
 
+# Those without processes first, as they take the least time.
 run_tests() { # MODULE
-    timeout 300 ctest --test-dir "$source/build" -R "^(${tests[$1]})\$" --stop-on-failure >"$scratch/tests.log" 2>&1
+    local ctest=(timeout 300 ctest --test-dir "$source/build" -R "^(${tests[$1]})\$" --stop-on-failure)
+    "${ctest[@]}" -L unit >"$scratch/tests.log" 2>&1 && "${ctest[@]}" -LE unit >"$scratch/tests.log" 2>&1
 }
 
 # Puts a fault in, and sets `verdict`.
@@ -74,6 +76,7 @@ copy_tree
 [ -f "$source/build/build.ninja" ] || cmake -S "$source" -B "$source/build" --preset "${SHAKEDOWN_PRESET:-release}" >"$scratch/build.log" 2>&1
 [ -z "${given[--again]:-}" ] || rm -f "$tried"
 touch "$tried"
+left=${given[--at-most]:-1000}
 for module in recorder analyzer common wallctl; do
     [ -z "${given[--only]:-}" ] || [ "${given[--only]}" = "$module" ] || continue
     build_of "$module" || { tail -n 40 "$scratch/build.log" && exit 1; }
@@ -81,7 +84,9 @@ for module in recorder analyzer common wallctl; do
     total=$(grep -c "^$module/" "$list") count=0
     while IFS= read -r line; do
         count=$((count + 1))
-        grep -qF -- "$line" "$tried" && continue
+        ! grep -qF -- "$line" "$tried" || continue
+        [ "$left" -gt 0 ] || break
+        left=$((left - 1))
         plain=${line//'\|'/$'\a'} # a bar that belongs to the text
         file=${plain%% | *} rest=${plain#* | }
         try "$file" "$(tr '\a' '|' <<<"${rest%% | *}")" "$(tr '\a' '|' <<<"${rest#* | }")"
@@ -90,6 +95,7 @@ for module in recorder analyzer common wallctl; do
     done < <(grep "^$module/" "$list")
 done
 alive=$(grep -c '^alive => ' "$tried" || true)
-echo "$(grep -c '^noticed' "$tried" || true) noticed, $alive alive, $(grep -cE '^(not there|there twice|does not compile)' "$tried" || true) no use"
+echo "$(grep -c '^noticed' "$tried" || true) noticed, $alive alive, $(grep -cE '^(not there|there twice|does not compile)' "$tried" || true) no use," \
+    "$(($(grep -c '^[a-z]*/' "$list") - $(wc -l <"$tried"))) not tried"
 grep -E '^(alive|not there|there twice|does not compile) => ' "$tried" || true
 [ "$alive" -le 3 ]

@@ -15,6 +15,7 @@ enum { ARGUMENTS_MAX = 2 * TRIAL_OVERRIDES_MAX + 16, PATH_LENGTH = 1400 };
 static const char URL[] = "udpm://239.255.76.67:7667?ttl=0";
 static const double PATIENCE_S = 15; /* with the recorder, for the END that sim has sent */
 static const double REST_S = 0.5;    /* with what is left of a run that failed */
+static const double ALONE_S = 0.5;   /* with sim, once another process has failed: it may say better what is wrong */
 
 /* A program of the run with what all of them are told. */
 struct program {
@@ -87,27 +88,59 @@ static void wait_for(struct program *program, double limit_s)
     }
 }
 
-/* The last line of sim's log, without its name. */
-static void keep_message(struct trial *trial, const struct program *sim)
+static bool has_failed(struct program *program)
+{
+    return has_ended(program) && program->exit_code != 0;
+}
+
+/* Waits for sim, no longer than `limit_s`, and not as long as sim itself would wait for one that is not there: returns
+ * which of the others failed before it, NULL if none did. */
+static struct program *wait_for_sim(struct program *sim, struct program *recorder, struct program *wallctl,
+                                    double limit_s)
+{
+    const struct timespec pause = {.tv_nsec = 5000000};
+    const double start_s = clock_now_s();
+    while (!has_ended(sim) && clock_now_s() - start_s <= limit_s) {
+        struct program *culprit = has_failed(recorder) ? recorder : has_failed(wallctl) ? wallctl : NULL;
+        if (culprit) {
+            wait_for(sim, ALONE_S);
+            return culprit;
+        }
+        (void)nanosleep(&pause, NULL);
+    }
+    wait_for(sim, 0);
+    return NULL;
+}
+
+/* The last line of a log, without the program's name. */
+static void last_line(const struct program *program, char *line, size_t size)
 {
     char *text = NULL;
-    trial->exit_code = sim->exit_code;
-    trial->message[0] = 0;
-    if (sim->exit_code == 0 || file_read(sim->log, &text) != STATUS_OK)
+    line[0] = 0;
+    if (file_read(program->log, &text) != STATUS_OK)
         return;
     size_t length = strlen(text);
     while (length > 0 && text[length - 1] == '\n')
         text[--length] = 0;
-    const char *line = strrchr(text, '\n'), *said = strstr(line ? line : text, "error: ");
-    snprintf(trial->message, sizeof trial->message, "%s", said ? said + strlen("error: ") : line ? line + 1 : text);
+    const char *last = strrchr(text, '\n'), *said = strstr(last ? last : text, "error: ");
+    snprintf(line, size, "%s", said ? said + strlen("error: ") : last ? last + 1 : text);
     free(text);
 }
 
-static enum status check_recorder(const struct trial *trial, const struct program *recorder)
+static void keep_message(struct trial *trial, const struct program *sim)
 {
-    if (trial->exit_code == 0 && recorder->exit_code != 0)
-        return status_fail(STATUS_IO, "the recorder ended with exit code %d: %s", recorder->exit_code, recorder->log);
-    return STATUS_OK;
+    trial->exit_code = sim->exit_code;
+    trial->message[0] = 0;
+    if (sim->exit_code != 0)
+        last_line(sim, trial->message, sizeof trial->message);
+}
+
+static enum status failed(const struct program *program)
+{
+    char line[600];
+    last_line(program, line, sizeof line);
+    return status_fail(STATUS_IO, "%s ended with exit code %d: %s", strrchr(program->path, '/') + 1, program->exit_code,
+                       line);
 }
 
 static enum status over_bus(struct trial *trial, long long run_id)
@@ -128,12 +161,14 @@ static enum status over_bus(struct trial *trial, long long run_id)
         status = start(&recorder);
     if (status == STATUS_OK)
         status = start(&sim);
-    wait_for(&sim, trial->limit_s);
+    const struct program *culprit = wait_for_sim(&sim, &recorder, &wallctl, trial->limit_s);
     wait_for(&wallctl, REST_S);
     wait_for(&recorder, sim.exit_code == 0 ? PATIENCE_S : REST_S);
     TRY(status);
     keep_message(trial, &sim);
-    return check_recorder(trial, &recorder);
+    if (!culprit && sim.exit_code == 0 && recorder.exit_code != 0)
+        culprit = &recorder;
+    return culprit ? failed(culprit) : STATUS_OK;
 }
 
 /* sim writes a log, the recorder makes run.h5 of it. */
@@ -161,7 +196,7 @@ static enum status in_process(struct trial *trial, long long run_id)
     TRY(start(&recorder));
     wait_for(&recorder, trial->limit_s);
     (void)remove(log);
-    return check_recorder(trial, &recorder);
+    return trial->exit_code == 0 && recorder.exit_code != 0 ? failed(&recorder) : STATUS_OK;
 }
 
 enum status trial_run(struct trial *trial)

@@ -21,8 +21,8 @@ struct trial {
 };
 
 /* Runs it: FOLDER/run.h5 is there afterwards unless sim never began. Over the bus: in the network namespace that the
- * bench itself is in. A run that sim ended badly is a result. STATUS_IO if a process cannot be started, or the recorder
- * failed in a run that ended well. */
+ * bench itself is in. A run that sim ended badly is a result. STATUS_IO if a process cannot be started, if recorder or
+ * wallctl failed before sim did (which is ended then), or the recorder in a run that ended well. */
 enum status trial_run(struct trial *trial) MUST_USE;
 
 #endif

@@ -43,6 +43,7 @@ struct record_receiver {
     bool sync_wanted; /* a CHECKPOINT or END was taken that is not on disk yet */
     struct record_receiver_drops drops;
     int warnings;
+    int64_t refused_hash; /* of the last message of this run that could not be used; 0: none */
 };
 
 enum status record_receiver_create(struct record_receiver **result, const struct record_receiver_options *options)
@@ -69,6 +70,20 @@ static void drop_malformed(struct record_receiver *recording)
     recording->drops.malformed++;
     if (recording->warnings++ < WARNINGS_MAX)
         fprintf(stderr, "recorder: warning: dropped a message: %s\n", status_message());
+}
+
+/* The next record of the run, and it cannot be used, as status_message() says. It may have been changed on its way, or
+ * be a foreign one; but if it comes again, byte for byte, it is what the run says, and nothing better will ever come.
+ */
+static enum status refuse(struct record_receiver *recording, int kind, const void *data, size_t size)
+{
+    const int64_t hash = record_hash_add(RECORD_HASH_OF_NONE, data, size);
+    if (!recording->from_log && hash == recording->refused_hash)
+        return status_fail(STATUS_FORMAT, "a record on %s cannot be recorded, and comes again: %s",
+                           message_channel(kind), status_message());
+    recording->refused_hash = hash;
+    drop_malformed(recording);
+    return STATUS_OK;
 }
 
 static enum status log_message(struct record_receiver *recording, int kind, const void *data, size_t size)
@@ -434,10 +449,8 @@ static enum status take_next(struct record_receiver *recording, int kind, const 
         return STATUS_OK;
     }
     enum status status = take_record(recording, kind, message);
-    if (status == STATUS_FORMAT) {
-        drop_malformed(recording);
-        return STATUS_OK;
-    }
+    if (status == STATUS_FORMAT)
+        return refuse(recording, kind, data, size);
     TRY(status);
     bool repeated = recording->resume && !recording->replaying && (kind == RECORD_RUN_INFO || kind == RECORD_PARTICLES);
     if (!repeated) /* by a run that goes on: the log has it */

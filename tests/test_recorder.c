@@ -577,6 +577,27 @@ static void test_fuzz_recording(void **state)
     bench_close(&bench);
 }
 
+/* What cannot be recorded may have been changed on its way; when it comes again it is what the run says, and the run
+ * shall not wait for anything better. */
+static void test_what_cannot_be_recorded_comes_again(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    enum recording_answer answer;
+    (void)state;
+    options.unreadable = true;
+    bench_open(&bench, &options);
+    const struct synthetic_message *info = &bench.run.messages[0];
+    give(&bench, info);
+    assert_int_equal(record_receiver_drops(bench.recording)->malformed, 1);
+    assert_false(record_receiver_has_run(bench.recording));
+    give(&bench, &bench.run.messages[1]); /* others between the two change nothing */
+    assert_int_equal(record_receiver_take(bench.recording, info->kind, info->data, info->size, &answer), STATUS_FORMAT);
+    assert_non_null(strstr(status_message(), "RUN_INFO cannot be recorded"));
+    assert_non_null(strstr(status_message(), "sample")); /* why */
+    bench_close(&bench);
+}
+
 /* Messages that are right in themselves but do not fit the run. */
 static void test_misfits(void **state)
 {
@@ -989,6 +1010,7 @@ int main(void)
         cmocka_unit_test(test_fuzz_decode),
         cmocka_unit_test(test_fuzz_recording),
         cmocka_unit_test(test_misfits),
+        cmocka_unit_test(test_what_cannot_be_recorded_comes_again),
         cmocka_unit_test(test_never_complete),
         cmocka_unit_test(test_walls_before_run_info_and_repeated),
         cmocka_unit_test(test_walls_early_records),

@@ -249,6 +249,23 @@ static void test_silence(void **state)
     bench_close(&bench);
 }
 
+/* A run that the recorder cannot read: the sender hears of it long before its patience with silence ends. */
+static void test_unreadable_run(void **state)
+{
+    struct bench bench;
+    struct synthetic_options options = synthetic_default;
+    (void)state;
+    options.unreadable = true;
+    bench_open(&bench, &options);
+    recorder_start(&bench, "20", RLIM_INFINITY);
+    const double start_s = clock_now_s();
+    assert_int_equal(send_range(&bench, 0, bench.run.count), STATUS_IO);
+    assert_true(clock_now_s() - start_s < STREAM_TIMEOUT_S / 2); /* by its failure, not by silence */
+    await_error(&bench, "RUN_INFO cannot be recorded");
+    assert_int_equal(recorder_wait(&bench), status_exit_code(STATUS_FORMAT));
+    bench_close(&bench);
+}
+
 /* Wall states that never came: END's totals do not match, so the run is not complete, and says which are missing. */
 static void test_lost_walls(void **state)
 {
@@ -539,11 +556,17 @@ static void test_full_disk(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_complete_run),  cmocka_unit_test(test_walls_and_event_log),
-        cmocka_unit_test(test_strangers),     cmocka_unit_test(test_stop_without_end),
-        cmocka_unit_test(test_stop_then_end), cmocka_unit_test(test_silence),
-        cmocka_unit_test(test_lost_walls),    cmocka_unit_test(test_lost_walls_are_sent_again),
-        cmocka_unit_test(test_loss),          cmocka_unit_test(test_signs_of_life),
+        cmocka_unit_test(test_complete_run),
+        cmocka_unit_test(test_walls_and_event_log),
+        cmocka_unit_test(test_strangers),
+        cmocka_unit_test(test_stop_without_end),
+        cmocka_unit_test(test_stop_then_end),
+        cmocka_unit_test(test_silence),
+        cmocka_unit_test(test_unreadable_run),
+        cmocka_unit_test(test_lost_walls),
+        cmocka_unit_test(test_lost_walls_are_sent_again),
+        cmocka_unit_test(test_loss),
+        cmocka_unit_test(test_signs_of_life),
         cmocka_unit_test(test_full_disk),
     };
     if (argc != 2) {

@@ -123,6 +123,8 @@ static void add_run_info(struct synthetic_run *run)
              "stages = ( { name = \"only\"; dt_s = 1e-6; duration_s = 1.0; } );\n",
              options->dimension, options->n_particles, options->walls ? "full" : "sampled",
              options->event_log ? "true" : "false");
+    if (options->unreadable)
+        snprintf(config, sizeof config, "name = \"synthetic\"; dimension = %d;\n", options->dimension);
     /* one of each kind, with friction: as the overlap, as the normal, and as its reverse */
     static const char *const name[] = {"depth", "way", "roll"}, *const unit[] = {"m", "N", "1"};
     static const int8_t kind[] = {HISTORY_NUMBER, HISTORY_TANGENT, HISTORY_ROTATION};

@@ -18,6 +18,7 @@ struct synthetic_options {
     int n_samples;
     int n_frames;
     int n_wall_states;     /* and as many commands; spread over the run */
+    bool unreadable;       /* RUN_INFO carries a scene that says nothing of a sample */
     bool checkpoint_first; /* CHECKPOINT behind the notes, before frames and samples; else behind all of them */
 };
 
