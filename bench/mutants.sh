@@ -71,11 +71,20 @@ try() { # FILE FROM TO
     printf '%s\n' "$text" >"$file"
 }
 
+forget_lines_that_changed() {
+    local line kept=()
+    while IFS= read -r line; do
+        ! grep -qxF -- "${line#* => }" "$list" || kept+=("$line")
+    done <"$tried"
+    printf '%s\n' "${kept[@]}" | sed '/^$/d' >"$tried"
+}
+
 mkdir -p "$scratch"
 copy_tree
 [ -f "$source/build/build.ninja" ] || cmake -S "$source" -B "$source/build" --preset "${SHAKEDOWN_PRESET:-release}" >"$scratch/build.log" 2>&1
 [ -z "${given[--again]:-}" ] || rm -f "$tried"
 touch "$tried"
+forget_lines_that_changed
 left=${given[--at-most]:-1000}
 for module in recorder analyzer common wallctl; do
     [ -z "${given[--only]:-}" ] || [ "${given[--only]}" = "$module" ] || continue
@@ -84,7 +93,7 @@ for module in recorder analyzer common wallctl; do
     total=$(grep -c "^$module/" "$list") count=0
     while IFS= read -r line; do
         count=$((count + 1))
-        ! grep -qF -- "$line" "$tried" || continue
+        ! grep -qF -- " => $line" "$tried" || continue
         [ "$left" -gt 0 ] || break
         left=$((left - 1))
         plain=${line//'\|'/$'\a'} # a bar that belongs to the text

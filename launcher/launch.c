@@ -1,6 +1,7 @@
 #include "launcher/launch.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -101,12 +102,31 @@ static void forget(const struct launch *launch, const char *name)
     g_free(path);
 }
 
+/* There while an evaluation lasts: numbers without plots are left where all were killed. */
+static const char EVALUATING[] = "log/evaluating";
+
+static void mark_evaluating(const struct launch *launch)
+{
+    char *path = run_folder_file(&launch->folder, EVALUATING);
+    const int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    if (file < 0 || close(file) != 0)
+        say("warning: %s cannot be written: %s", path, strerror(errno));
+    g_free(path);
+}
+
+static bool is_evaluated(const struct run_folder *folder)
+{
+    return run_folder_has(folder, "analysis.json") && !run_folder_has(folder, EVALUATING);
+}
+
 /* An evaluation that broke off is done again by --resume. */
 static int evaluate(struct supervisor *s)
 {
     begin_part(s);
+    mark_evaluating(s->launch);
     stop_unless_started(s, ROLE_ANALYZER, false);
     supervise(s);
+    forget(s->launch, EVALUATING);
     /* A result that failed its checks, or is doubtful, is there all the same. */
     const bool whole = s->failure == 0 || s->failure == status_exit_code(STATUS_LIMIT) ||
                        s->failure == status_exit_code(STATUS_DOUBTFUL);
@@ -158,7 +178,7 @@ int launch_run(const struct launch *launch, double stop_wait_s)
         return status_report("shakedown", STATUS_IO);
     if (!record_is_complete(&launch->folder))
         go_on(&s);
-    else if (run_folder_has(&launch->folder, "analysis.json"))
+    else if (is_evaluated(&launch->folder))
         return refuse_complete(&launch->folder);
     forget(launch, "namespace-pid");
     int code = s.interrupted || s.failure ? conclude_unfinished(&s) : evaluate(&s);

@@ -35,7 +35,7 @@ case_report() {
 # Makes a folder of programs, of which one fails in every run over the bus, with a reason.
 one_that_fails() { # PROGRAM OPTION-OF-THE-OTHER-WAY
     local row
-    rm -rf "$work/bin"
+    rm -rf "${work:?}/bin"
     mkdir -p "$work/bin/$1"
     for row in bench recorder sim wallctl; do [ "$row" = "$1" ] || ln -s "$SHAKEDOWN_BIN/$row" "$work/bin/$row"; done
     cat >"$work/bin/$1/$1" <<PROGRAM

@@ -425,6 +425,25 @@ case_kill_sim() {
     expect_all_gone out
 }
 
+# All are killed while the evaluation has its numbers, but no plots yet: it is done again.
+case_kill_evaluation() {
+    local row
+    mkdir -p bin/analyzer
+    for row in common launcher recorder sim wallctl; do ln -s "$SHAKEDOWN_BIN/$row" "bin/$row"; done
+    printf '#!/bin/sh\necho {} >"$1/analysis.json"\nkill -KILL $PPID\n' >bin/analyzer/analyzer
+    chmod +x bin/analyzer/analyzer
+    SHAKEDOWN_BIN=$work/bin shakedown run "$quick" --out out
+    expect_code 137 $?
+    expect_attribute out/run.h5 complete 1
+    shakedown run --resume out
+    expect_code 0 $?
+    [ -s out/stress_strain.svg ] || fail "no plot"
+    expect_no_file out/log/evaluating
+    shakedown run --resume out
+    expect_code 5 $?
+    expect_text last.out 'is complete already'
+}
+
 case_private() {
     ip route del 224.0.0.0/4 dev lo
     shakedown run "$quick" --out out --private
