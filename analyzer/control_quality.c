@@ -7,6 +7,7 @@
 /* Sums of |deviation| and of what it is measured by. */
 struct tally {
     double sum, largest, size;
+    double tolerance;
     size_t count;
 };
 
@@ -23,8 +24,15 @@ static void tally_add(struct tally *tally, double deviation, double size)
 static struct control_quality tally_kept(const struct tally *tally)
 {
     if (tally->count == 0 || !(tally->size > 0))
-        return (struct control_quality){NAN, NAN};
-    return (struct control_quality){tally->sum / (double)tally->count / tally->size, tally->largest / tally->size};
+        return (struct control_quality){NAN, NAN, 0};
+    return (struct control_quality){tally->sum / (double)tally->count / tally->size, tally->largest / tally->size,
+                                    tally->tolerance};
+}
+
+static void tolerance_add(struct tally *tally, double tolerance)
+{
+    if (tolerance > 0)
+        tally->tolerance = tally->tolerance > 0 ? fmin(tally->tolerance, tolerance) : tolerance;
 }
 
 /* p, q = sigma_zz - mean lateral, and the volume, at a sample. */
@@ -48,6 +56,13 @@ static struct point point_at(const struct run *run, size_t sample)
     at.q_pa = stress_pa[axial] - (sum_pa - stress_pa[axial]) / axial;
     at.time_s = *run_record(run, OBSERVABLE_STAGE_TIME, sample);
     return at;
+}
+
+static enum kept_quantity kept_by(const struct scene_axis *axis)
+{
+    static const enum kept_quantity by_keep[] = {
+        [KEEP_VOLUME] = KEPT_VOLUME, [KEEP_P] = KEPT_P, [KEEP_Q] = KEPT_Q, [KEEP_B] = KEPT_B, [KEEP_PATH] = KEPT_PATH};
+    return axis->mode == WALL_COUPLED ? by_keep[axis->keep] : KEPT_STRESS;
 }
 
 static void coupled_add(const struct scene_axis *axis, const struct point *at, double volume_m3, struct tally *tally)
@@ -90,6 +105,10 @@ void control_quality_find(const struct run *run, int stage, size_t begin, size_t
             else
                 tally_add(&tally[KEPT_STRESS], at.stress_pa[slot] - target_pa, target_pa);
         }
+    }
+    for (int slot = 0; slot < run->dimension; slot++) {
+        const struct scene_axis *axis = &run->scene->stage[stage].axis[scene_pair_axis(run->scene, slot)];
+        tolerance_add(&tally[kept_by(axis)], axis->tolerance);
     }
     for (int k = 0; k < KEPT_QUANTITIES; k++)
         kept[k] = tally_kept(&tally[k]);

@@ -22,6 +22,7 @@ enum kept_quantity {
  * is to keep it. */
 struct control_quality {
     double mean, largest;
+    double tolerance; /* the smallest that one of its axes asks for; 0: none does */
 };
 
 /* Finds them from samples [begin, end) of a stage, with the targets of the scene in force. */

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "analyzer/control_quality.h"
 #include "common/wall_target.h"
 
 const double judgement_residual_doubtful = 0.01;
@@ -162,6 +163,22 @@ static void stress_check(struct judgement *judgement, const struct run *run, int
             100 * mean, 100 * largest, 100 * judgement_stress_note);
 }
 
+/* What the scene asks its walls to keep, where it says how well. */
+static void tolerance_check(struct judgement *judgement, const struct run *run, int stage, size_t begin, size_t end)
+{
+    static const char *const names[KEPT_QUANTITIES] = {"a stress", "the volume", "p", "q", "the path", "b"};
+    struct control_quality kept[KEPT_QUANTITIES];
+    if (run->controller[0])
+        return;
+    control_quality_find(run, stage, begin, end, kept);
+    for (int k = 0; k < KEPT_QUANTITIES; k++)
+        if (kept[k].tolerance > 0 && kept[k].largest > kept[k].tolerance)
+            add(judgement, stage_name(run, stage), WORTH_DOUBTFUL,
+                "%s was kept to %.2g, %.2g in the mean; walls.?.tolerance = %g: lighter walls, a shorter exchange "
+                "interval, a slower test or a larger sample would help",
+                names[k], kept[k].largest, kept[k].mean, kept[k].tolerance);
+}
+
 /* Preparation may be violent: only the ledger and the overlaps of all stages count, the rest of the one that is
  * evaluated. */
 static void stage_check(struct judgement *judgement, const struct run *run, int stage, bool evaluated)
@@ -177,6 +194,7 @@ static void stage_check(struct judgement *judgement, const struct run *run, int 
     rest_check(judgement, run, stage, begin);
     inertial_check(judgement, run, stage, begin, end);
     stress_check(judgement, run, stage, begin, end);
+    tolerance_check(judgement, run, stage, begin, end);
 }
 
 /* How far the run came, and why no further. */

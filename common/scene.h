@@ -93,6 +93,7 @@ struct scene_axis {
     struct config_floats times_s, strains, pressures_pa;
     double mass_kg;
     double damping_kg_per_s;
+    double tolerance; /* largest deviation from what the axis bears or keeps; 0: none is asked */
     /* Coupled: what the axis follows the others for. */
     int keep;     /* enum wall_keep */
     double b;     /* KEEP_B: (sigma_yy - sigma_xx)/(sigma_zz - sigma_xx) */

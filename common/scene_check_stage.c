@@ -102,13 +102,21 @@ static enum status stress_check(const struct place *place, const struct scene_ax
     return STATUS_OK;
 }
 
-/* Slopes at which the stress that follows from the others is none, or goes against what it answers. */
+/* Slopes at which the stress that follows from the others is none, or goes against what it answers. While z is strained
+ * below q = constant the lateral walls would have to change their stress by more than sigma_zz changes; but they
+ * change sigma_zz by nearly as much as their own, and run away from each other (or into the sample). */
 static enum status path_check(const struct place *place, const struct scene_axis *a, bool axial)
 {
     const double drained = place->scene->dimension == 3 ? 3 : 2;
     const double least = place->scene->dimension == 3 ? -1.5 : -2;
-    if (axial ? a->dq_dp < drained : a->dq_dp > least)
+    const bool strained = place->stage->axis[AXIS_Z].mode == WALL_STRAIN;
+    if (axial ? a->dq_dp < drained : a->dq_dp >= 0 || (!strained && a->dq_dp > least))
         return STATUS_OK;
+    if (!axial && a->dq_dp > least)
+        return config_fail(place->at, place->path,
+                           "dq_dp = %g cannot be kept by lateral walls while z is strained; allowed: 0 and more, or "
+                           "lateral walls with a stress of their own (a ramp) and keep = \"path\" in z",
+                           a->dq_dp);
     return config_fail(place->at, place->path,
                        "dq_dp = %g cannot be kept by this axis; allowed: %s %g (%g is the drained "
                        "path, dp = 0 is keep = \"p\")",

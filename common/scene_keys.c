@@ -255,6 +255,9 @@ static const struct key axis_keys[] = {
      "stress control: mass m_x of the wall"},
     {"damping_kg_per_s", KEY_FLOAT, OF(scene_axis, damping_kg_per_s), "kg/s", 0, INFINITY, "0", NULL, NULL,
      "stress control: damping gamma_x of the wall; mass and damping must not both be 0"},
+    {"tolerance", KEY_FLOAT, OF(scene_axis, tolerance), NULL, 0, 1, "0", NULL, NULL,
+     "mode \"stress\" or \"coupled\": largest deviation from what the axis bears or keeps, measured as kept.* "
+     "(docs/analysis.md), that the test is to have; beyond it the verdict is doubtful; 0: none is asked"},
     {"keep", KEY_CHOICE, OF(scene_axis, keep), NULL, 0, 0, "volume", keep_names, NULL,
      "mode \"coupled\": what the axis is moved for: the volume of the start of the stage; the mean stress p; "
      "q (in z); b (in y); or a straight path in p and q"},

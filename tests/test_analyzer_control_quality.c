@@ -2,8 +2,10 @@
 #include "test_analyzer_fixture.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "analyzer/control_quality.h"
+#include "analyzer/judgement.h"
 
 #define STAGE(x, y, z)                                                                                                 \
     "name = \"kept\"; dimension = 3; sample = { count = 8; radius_min_m = 1e-3; radius_max_m = 1e-3; "                 \
@@ -124,8 +126,39 @@ static void volume(void **state)
     run_free(&run);
 }
 
+/* 0.5 Pa of 100 where 0.4 % and 0.6 % are asked of x, the smaller of which counts; nothing is where nothing is asked.
+ */
+static void a_tolerance_that_is_missed_makes_a_doubt(void **state)
+{
+    static const struct {
+        const char *config;
+        double tolerance;
+        bool doubt;
+    } cases[] = {{STAGE("tolerance = 4e-3;", "tolerance = 6e-3;", STRAIN), 4e-3, true},
+                 {STAGE("tolerance = 6e-3;", "", STRAIN), 6e-3, false},
+                 {STAGE("", "", STRAIN), 0, false}};
+    double stress[N][3] = {{100, 100, 100}, {100, 100, 120}, {100.5, 100, 150}, {100, 100, 170}, {100, 100, 180}};
+    (void)state;
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        struct run run;
+        struct control_quality kept[KEPT_QUANTITIES];
+        struct judgement judgement;
+        bool doubt = false;
+        samples(&run, cases[c].config, stress, 0);
+        control_quality_find(&run, 0, 0, N, kept);
+        assert_true(kept[KEPT_STRESS].tolerance == cases[c].tolerance);
+        judgement_make(&judgement, &run, 0);
+        for (size_t k = 0; k < judgement.n; k++)
+            doubt |=
+                judgement.note[k].severity == WORTH_DOUBTFUL && strstr(judgement.note[k].text, "a stress was kept");
+        assert_true(doubt == cases[c].doubt);
+        run_free(&run);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(deviations), cmocka_unit_test(volume)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(deviations), cmocka_unit_test(volume),
+                                       cmocka_unit_test(a_tolerance_that_is_missed_makes_a_doubt)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
