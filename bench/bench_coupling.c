@@ -1,7 +1,7 @@
 /* bench_coupling --bin DIR --scenes DIR --out DIR [--scene NAME|FILE] [--scheme NAME] [--quick] [--json FILE] [--plot
  * FILE] [--lock FILES]: error against cost of the coupling schemes. The last stage of each scene goes from one prepared
  * sample through sim, wallctl and recorder over the bus, and beside it in one process with the exact loop, in turn
- * (docs/coupling.md).
+ * (docs/coupling.md). --shipped: the shipped scenes as they are coupled, and impedance beside.
  * SIGINT or SIGTERM: no more runs, but the report of what there is.
  * --lock A:B holds these locks while runs are timed, so that other work on the machine can wait for it. */
 #include <errno.h>
@@ -16,8 +16,10 @@
 
 #include "bench/child.h"
 #include "bench/coupling_bench.h"
+#include "bench/element_tests.h"
 #include "common/bus.h"
 #include "common/command_line.h"
+#include "common/scene_file.h"
 #include "common/signals.h"
 
 enum { ADAPTIVE_LONGEST = 1024, LOCKS_MAX = 4, TURN = 3 /* points beside one run in process */ };
@@ -71,10 +73,13 @@ static const struct coupling_case quick_cases[] = {
      .target = {{1e-4, 1.05}}},
 };
 
+enum { WORKS_MAX = 32, SHIPPED_STEPS = 50000 }; /* steps that are timed of a shipped scene's last stage */
+
 struct bench {
     const struct coupling_options *options;
-    struct coupling_case own;
-    struct coupling_work work[4];
+    struct coupling_case own[WORKS_MAX];
+    char file[WORKS_MAX][64];
+    struct coupling_work work[WORKS_MAX];
     int n_works;
     int lock[LOCKS_MAX], n_locks;
     double lock_s;        /* when the locks were taken; 0: they are not */
@@ -140,6 +145,11 @@ static void plan(struct coupling_work *work)
 {
     static const int schemes[] = {SCHEME_HOLD, SCHEME_JACOBIAN, SCHEME_COMPENSATED, SCHEME_PIPELINED, SCHEME_IMPEDANCE};
     const int factor = work->at->few ? 4 : 2;
+    if (work->at->shipped) {
+        add(work, work->own.scheme, (int)work->own.interval_steps, work->own.tolerance);
+        add(work, SCHEME_IMPEDANCE, (int)work->own.interval_steps, 0);
+        return;
+    }
     for (size_t s = 0; s < sizeof schemes / sizeof *schemes; s++)
         for (int n = 1; n <= 256; n *= factor)
             add(work, schemes[s], n, 0);
@@ -280,6 +290,46 @@ static enum status run_all(struct bench *bench)
 
 /* ---- cases and report ---- */
 
+/* What walls that stresses lead leave open is a strain; else it is the stress. */
+static enum status measure_of(const char *folder, const char *file, int *measure)
+{
+    struct scene *scene = calloc(1, sizeof *scene);
+    char path[COUPLING_PATH_MAX];
+    snprintf(path, sizeof path, "%s/%s", folder, file);
+    if (!scene)
+        return status_fail(STATUS_NO_MEMORY, "out of memory");
+    const enum status status = scene_load(scene, path, NULL, 0);
+    if (status == STATUS_OK) {
+        const int mode = scene->stage[scene->n_stages - 1].axis[AXIS_Z].mode;
+        *measure = mode == WALL_STRESS || mode == WALL_COUPLED ? MEASURE_STRAIN : MEASURE_EARLY;
+        scene_free(scene);
+    }
+    free(scene);
+    return status;
+}
+
+/* The shipped scenes, or the one of that name: what the last stage of each costs as it is coupled. */
+static enum status choose_shipped(struct bench *bench)
+{
+    const struct coupling_options *options = bench->options;
+    for (int k = 0; k < element_tests_count && bench->n_works < WORKS_MAX; k++) {
+        const struct element_test *test = &element_tests[k];
+        const int n = bench->n_works;
+        if (options->only && strcmp(options->only, test->scene) != 0)
+            continue;
+        snprintf(bench->file[n], sizeof bench->file[n], "%s.cfg", test->scene);
+        bench->own[n] = (struct coupling_case){.name = test->scene,
+                                               .title = test->scene,
+                                               .file = bench->file[n],
+                                               .steps_max = SHIPPED_STEPS,
+                                               .shipped = true,
+                                               .rounds = 1};
+        TRY(measure_of(options->scenes, bench->file[n], &bench->own[n].measure));
+        bench->work[bench->n_works++] = (struct coupling_work){.at = &bench->own[n], .options = options};
+    }
+    return STATUS_OK;
+}
+
 static void choose(struct bench *bench)
 {
     const struct coupling_options *options = bench->options;
@@ -291,13 +341,13 @@ static void choose(struct bench *bench)
             bench->work[bench->n_works++] = (struct coupling_work){.at = &list[k], .options = options};
     if (bench->n_works > 0 || !options->only || access(options->only, R_OK) != 0)
         return;
-    bench->own = (struct coupling_case){.name = "own",
-                                        .title = options->only,
-                                        .file = options->only,
-                                        .measure = MEASURE_STRESS,
-                                        .rounds = options->quick ? 1 : 3,
-                                        .few = options->quick};
-    bench->work[bench->n_works++] = (struct coupling_work){.at = &bench->own, .options = options};
+    bench->own[0] = (struct coupling_case){.name = "own",
+                                           .title = options->only,
+                                           .file = options->only,
+                                           .measure = MEASURE_STRESS,
+                                           .rounds = options->quick ? 1 : 3,
+                                           .few = options->quick};
+    bench->work[bench->n_works++] = (struct coupling_work){.at = &bench->own[0], .options = options};
 }
 
 static bool wants(const struct coupling_options *options, const char *name)
@@ -327,6 +377,8 @@ static enum status write_report(const struct bench *bench, json_t *report)
     for (int w = 0; w < bench->n_works; w++)
         if (bench->work[w].n > 0)
             json_array_append_new(list, coupling_report(&bench->work[w]));
+    if (options->shipped)
+        coupling_shipped_report(bench->work, bench->n_works);
     if (bench->n_works > 0 && strcmp(bench->work[0].at->name, "a") == 0 && wants(options, "hard") && !stop_requested())
         json_object_set_new(report, "hard", coupling_hard(&bench->work[0]));
     if (options->json_path && json_dump_file(report, options->json_path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)) != 0)
@@ -340,10 +392,16 @@ static enum status bench_coupling(const struct coupling_options *options)
     if (!bench)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
     bench->options = options;
-    choose(bench);
     enum status status = folder_make(options->out);
+    if (status == STATUS_OK && options->shipped)
+        status = choose_shipped(bench);
+    else
+        choose(bench);
     if (status == STATUS_OK && bench->n_works == 0)
-        status = status_fail(STATUS_USAGE, "--scene is a, a-cohesion, b, hard or a file, not %s", options->only);
+        status = options->shipped
+                     ? status_fail(STATUS_USAGE, "--scene with --shipped is one of scenes/, without .cfg, not %s",
+                                   options->only)
+                     : status_fail(STATUS_USAGE, "--scene is a, a-cohesion, b, hard or a file, not %s", options->only);
     if (status == STATUS_OK)
         status = prepare_all(bench);
     if (status == STATUS_OK)
@@ -363,11 +421,17 @@ static enum status bench_coupling(const struct coupling_options *options)
 int main(int argc, char **argv)
 {
     struct coupling_options options = {0};
-    const struct command_line_option own[] = {{"bin", &options.bin, NULL},        {"scenes", &options.scenes, NULL},
-                                              {"out", &options.out, NULL},        {"scene", &options.only, NULL},
-                                              {"json", &options.json_path, NULL}, {"plot", &options.plot, NULL},
-                                              {"lock", &options.lock, NULL},      {"scheme", &options.scheme, NULL},
-                                              {"quick", NULL, &options.quick},    {NULL, NULL, NULL}};
+    const struct command_line_option own[] = {{"bin", &options.bin, NULL},
+                                              {"scenes", &options.scenes, NULL},
+                                              {"out", &options.out, NULL},
+                                              {"scene", &options.only, NULL},
+                                              {"json", &options.json_path, NULL},
+                                              {"plot", &options.plot, NULL},
+                                              {"lock", &options.lock, NULL},
+                                              {"scheme", &options.scheme, NULL},
+                                              {"quick", NULL, &options.quick},
+                                              {"shipped", NULL, &options.shipped},
+                                              {NULL, NULL, NULL}};
     struct command_line line;
     enum status status = command_line_parse(&line, argc, argv, own);
     if (status == STATUS_OK && (!options.bin || !options.scenes || !options.out || line.n_positional > 0))

@@ -32,6 +32,8 @@ struct coupling_case {
     const char *override[2];         /* of preparation and test */
     int measure;
     double duration_s; /* of the last stage; 0: as in the scene */
+    int steps_max;     /* of it; 0: any number */
+    bool shipped;      /* only as the scene couples, and impedance at the same interval */
     int rounds;        /* timings of the points that come into question; the others are timed once */
     bool few;          /* intervals */
     struct coupling_target target[COUPLING_TARGETS_MAX];
@@ -54,7 +56,7 @@ struct coupling_options {
     const char *bin, *scenes, *out, *only, *scheme, *json_path, *plot, *lock;
     const char *const *override; /* of all scenes, preparation and test */
     int n_overrides;
-    bool quick;
+    bool quick, shipped;
 };
 
 /* A case at work. */
@@ -64,6 +66,7 @@ struct coupling_work {
     char folder[COUPLING_PATH_MAX], scene_path[COUPLING_PATH_MAX + 32], reference[COUPLING_PATH_MAX + 32];
     char checkpoint[CONFIG_STRING_MAX], shifted[CONFIG_STRING_MAX];
     struct scene *scene;
+    struct scene_coupling own; /* the scene's */
     struct curve_errors floor;
     double reference_s; /* least time of the in-process run */
     int64_t steps;
@@ -90,6 +93,9 @@ enum status coupling_run_reference(struct coupling_work *work, const char *folde
 
 /* Table on stdout, and the case as JSON. */
 json_t *coupling_report(const struct coupling_work *work);
+
+/* One line for each shipped scene on stdout: as it is coupled, and impedance beside. */
+void coupling_shipped_report(const struct coupling_work *work, int n);
 
 /* The table of hard cases on stdout and as JSON; from the sample of `work`. */
 json_t *coupling_hard(const struct coupling_work *work);

@@ -1,3 +1,4 @@
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,6 +63,8 @@ static void set_stage(struct coupling_work *work)
     struct scene_stage *stage = &work->scene->stage[0];
     if (work->at->duration_s > 0)
         stage->duration_s = work->at->duration_s;
+    if (work->at->steps_max > 0)
+        stage->duration_s = fmin(scene_total_time_s(work->scene), work->at->steps_max * stage->dt_s);
     stage->cut_path = true; /* of a path a piece is timed */
     stage->frame_interval_s = 0;
     stage->frame_strains.count = 0;
@@ -91,7 +94,8 @@ static enum status make_scene(struct coupling_work *work)
     work->scene = calloc(1, sizeof *work->scene);
     if (!work->scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
-    TRY(scene_load(work->scene, path, override, n));
+    TRY(scene_load(work->scene, path, override + 4, n - 4));
+    work->own = work->scene->coupling;
     prepare_stage(work->scene, (int)work->scene->n_stages - 1, work->checkpoint);
     set_stage(work);
     snprintf(work->scene_path, sizeof work->scene_path, "%s/last.cfg", work->folder);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "bench/coupling_bench.h"
+#include "common/coupling.h"
 
 static int rising(const void *a, const void *b)
 {
@@ -115,6 +116,30 @@ static json_t *report_targets(const struct coupling_work *work)
                                         "met", met, "by", name, "time_ratio", coupling_number(ratio)));
     }
     return targets;
+}
+
+static void shipped_print(const struct coupling_work *work, const struct coupling_point *point)
+{
+    if (point->ran)
+        printf("  %5.2f %8.1e", coupling_median_ratio(point), coupling_error(work->at, &point->errors));
+    else
+        printf("  %5s %8s", "-", point->failed ? "failed" : "unstable");
+}
+
+void coupling_shipped_report(const struct coupling_work *work, int n)
+{
+    printf("\n%-24s %8s %4s %6s  %-14s  %-14s %9s  %s\n", "scene", "us/step", "n", "ahead", "as it is", "impedance",
+           "floor", "time over in process, error of");
+    for (int w = 0; w < n; w++) {
+        const struct coupling_work *at = &work[w];
+        const int ahead = coupling_ahead_steps(&at->own, (int)at->own.interval_steps);
+        printf("%-24s %8.1f %4" PRId64 " %6d", at->at->name, 1e6 * at->reference_s / (double)at->steps,
+               at->own.interval_steps, ahead);
+        for (int k = 0; k < at->n; k++)
+            shipped_print(at, &at->point[k]);
+        printf(" %9.1e  %s\n", coupling_error(at->at, &at->floor),
+               at->at->measure == MEASURE_STRAIN ? "strain" : "stress, to 1.5 %");
+    }
 }
 
 json_t *coupling_report(const struct coupling_work *work)

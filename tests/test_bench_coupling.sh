@@ -32,6 +32,16 @@ case_report() {
     nothing_left
 }
 
+# A line of the table of shipped scenes: as it is coupled, and impedance beside.
+case_shipped() {
+    bench --shipped --scene relaxation --set sample.count=64 --set stages.0.duration_s=0.2 --set stages.1.duration_s=0.05 ||
+        fail "exit code $?: $(tail -n 5 "$work/progress")"
+    grep -Eq '^relaxation +[0-9.]+ +[0-9]+ +[0-9]+ +[0-9.]+ +[0-9.e-]+ +[0-9.]+ +[0-9.e-]+ ' "$work/table" || fail "$(cat "$work/table")"
+    bench --shipped --scene nothing
+    [ $? -eq 2 ] || fail "a scene that is none is taken"
+    nothing_left
+}
+
 # Makes a folder of programs, of which one fails in every run over the bus, with a reason.
 one_that_fails() { # PROGRAM OPTION-OF-THE-OTHER-WAY
     local row
