@@ -36,7 +36,8 @@ enum status record_receiver_create(struct record_receiver **recording,
                                    const struct record_receiver_options *options) MUST_USE;
 
 /* Takes one raw message of `kind` (messages.h). Whatever the bytes are, the status is only bad if the recorder itself
- * fails (STATUS_IO, STATUS_NO_MEMORY); then nothing more can be taken. */
+ * fails (STATUS_IO, STATUS_NO_MEMORY), or if the run says again what cannot be recorded (STATUS_FORMAT); then nothing
+ * more can be taken. */
 enum status record_receiver_take(struct record_receiver *recording, int kind, const void *data, size_t size,
                                  enum recording_answer *answer) MUST_USE;
 

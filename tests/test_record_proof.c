@@ -297,6 +297,57 @@ static void chunks_come_in_their_order(void **state)
     }
 }
 
+/* --- A run that goes on from its CHECKPOINT --- */
+
+/* Its RUN_INFO, which says that the record holds `more` samples than it does. */
+static size_t encode_resumed(const struct synthetic_run *run, int64_t more, unsigned char bytes[ENCODED_MAX])
+{
+    union message checkpoint, info;
+    const struct synthetic_message *first = &run->messages[0], *last = nth(run, RECORD_CHECKPOINT, 0);
+    int64_t total[RECORD_CHANNELS] = {0};
+    assert_int_equal(message_decode(first->kind, first->data, first->size, &info), STATUS_OK);
+    assert_int_equal(message_decode(last->kind, last->data, last->size, &checkpoint), STATUS_OK);
+    memcpy(total, checkpoint.checkpoint.total, sizeof total);
+    total[RECORD_CHECKPOINT]++; /* itself */
+    total[RECORD_SAMPLE] += more;
+    info.run_info.step = checkpoint.header.step;
+    info.run_info.n_resumed = RECORD_CHANNELS;
+    info.run_info.resumed_total = total;
+    info.run_info.resumed_wall_states = checkpoint.checkpoint.wall_states;
+    const int size = shakedown_run_info_t_encode(bytes, 0, ENCODED_MAX, &info.run_info);
+    info.run_info.n_resumed = 0;
+    info.run_info.resumed_total = NULL;
+    message_free(first->kind, &info);
+    message_free(last->kind, &checkpoint);
+    assert_true(size > 0);
+    return (size_t)size;
+}
+
+/* The record is gone on with only if it holds all that the checkpoint knows of, and no more. */
+static void a_run_goes_on_from_what_its_checkpoint_knows(void **state)
+{
+    (void)state;
+    for (int more = -1; more <= 1; more++) {
+        struct bench bench;
+        unsigned char bytes[ENCODED_MAX];
+        enum recording_answer answer;
+        bench_open(&bench, false);
+        for (size_t k = 0; k + 1 < bench.run.count; k++)
+            give(&bench, &bench.run.messages[k]);
+        assert_int_equal(record_receiver_secure(bench.recording), STATUS_OK);
+        record_receiver_free(bench.recording); /* as a kill would leave it */
+        const struct record_receiver_options options = {
+            .directory = bench.directory, .run_id = bench.run.options.run_id, .resume = true, .remake = convert_into};
+        assert_int_equal(record_receiver_create(&bench.recording, &options), STATUS_OK);
+        const enum status status = record_receiver_take(bench.recording, RECORD_RUN_INFO, bytes,
+                                                        encode_resumed(&bench.run, more, bytes), &answer);
+        assert_int_equal(status, more == 0 ? STATUS_OK : STATUS_IO);
+        if (more != 0)
+            assert_non_null(strstr(status_message(), "that the checkpoint knows of"));
+        bench_close(&bench);
+    }
+}
+
 /* --- run.h5 as the export reads it --- */
 
 /* Puts `value` in the place of i (0) or j (1) of a contact. */
@@ -360,6 +411,7 @@ int main(void)
         cmocka_unit_test(end_counts_what_is_there),
         cmocka_unit_test(early_ones_are_kept),
         cmocka_unit_test(chunks_come_in_their_order),
+        cmocka_unit_test(a_run_goes_on_from_what_its_checkpoint_knows),
         cmocka_unit_test(contacts_have_two_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
