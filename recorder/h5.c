@@ -126,6 +126,7 @@ static enum status layout_properties(int rank, const struct h5_layout *layout, c
     bool ok = *properties >= 0 && H5Pset_chunk(*properties, rank, layout->chunk) >= 0;
     if (ok && layout->deflate > 0)
         ok = H5Pset_shuffle(*properties) >= 0 && H5Pset_deflate(*properties, (unsigned)layout->deflate) >= 0;
+    ok = ok && H5Pset_fletcher32(*properties) >= 0; /* a changed byte is found by whoever reads it */
     return check(ok, "create", path);
 }
 

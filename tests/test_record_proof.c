@@ -1,5 +1,6 @@
 /* What proves that a record is whole: counts within messages, the form of the log, hashes and totals in CHECKPOINT and
  * END. Each check has a message here that only this check sees. */
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -12,8 +13,10 @@
 #include "common/event_log.h"
 #include "common/record_hash.h"
 #include "common/wire.h"
+#include "recorder/h5.h"
 #include "recorder/log_conversion.h"
 #include "recorder/run_frames.h"
+#include "recorder/verify.h"
 #include "test_recorder_synthetic.h"
 
 enum { ENCODED_MAX = 8192 };
@@ -400,6 +403,52 @@ static void contacts_have_two_ends(void **state)
     bench_close(&bench);
 }
 
+/* Where the first block of a dataset stands in the file. */
+static haddr_t place_of(const char *path, const char *name)
+{
+    hsize_t offset[H5_RANK_MAX] = {0}, size;
+    unsigned mask;
+    haddr_t place;
+    const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), id = H5Dopen2(file, name, H5P_DEFAULT);
+    assert_true(file >= 0 && id >= 0);
+    assert_true(H5Dget_chunk_info_by_coord(id, offset, &mask, &place, &size) >= 0 && size > 0);
+    assert_true(H5Dclose(id) >= 0 && H5Fclose(file) >= 0);
+    return place;
+}
+
+/* A bit of a number that has changed on the disk. */
+static void a_changed_number_is_found(void **state)
+{
+    static const char *const names[] = {"/samples/strain/value", "/samples/stress_wall_pa/value",
+                                        "/particles/trajectory/position/value"};
+    struct bench bench;
+    char path[96];
+    FILE *out = fopen("/dev/null", "w");
+    (void)state;
+    assert_non_null(out);
+    bench_open(&bench, false);
+    for (size_t k = 0; k < bench.run.count; k++)
+        give(&bench, &bench.run.messages[k]);
+    assert_int_equal(record_receiver_finish(bench.recording), STATUS_OK);
+    assert_int_equal(verify_run(bench.directory, out), STATUS_OK);
+    snprintf(path, sizeof path, "%s/run.h5", bench.directory);
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        const off_t at = (off_t)place_of(path, names[k]) + 3;
+        unsigned char byte;
+        const int file = open(path, O_RDWR);
+        assert_true(file >= 0);
+        for (int round = 0; round < 2; round++) { /* and back */
+            assert_int_equal(pread(file, &byte, 1, at), 1);
+            byte ^= 1;
+            assert_int_equal(pwrite(file, &byte, 1, at), 1);
+            assert_int_equal(verify_run(bench.directory, out), round == 0 ? STATUS_FORMAT : STATUS_OK);
+        }
+        assert_int_equal(close(file), 0);
+    }
+    bench_close(&bench);
+    assert_int_equal(fclose(out), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -413,6 +462,7 @@ int main(void)
         cmocka_unit_test(chunks_come_in_their_order),
         cmocka_unit_test(a_run_goes_on_from_what_its_checkpoint_knows),
         cmocka_unit_test(contacts_have_two_ends),
+        cmocka_unit_test(a_changed_number_is_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
