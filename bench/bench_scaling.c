@@ -168,7 +168,7 @@ static void count_bytes(const struct sample *sample, struct row *row)
         history += history_has(&sample->pairs.model, c) ? real : 0;
     const int constant = 4 + real + (p->mixed ? (d + 1) * real : 0);
     const int positions = d * real, velocities = (d + s) * real, radius = s ? real : 0;
-    const int lags = s ? velocities : 0;
+    const int lags = s ? LAG_COLUMNS(d, p->mixed) * real : 0;
     const int pair =
         record + positions + velocities + lags + radius + 2 * (rows + velocities); /* columns are velocities' size */
     const int state = p->mixed ? 4 * (positions + velocities) : 8 * (2 * (d + d + s) + d) + 2 * velocities;

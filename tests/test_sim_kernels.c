@@ -256,7 +256,7 @@ static void guard_particles(struct particles *p, guard_each *each)
         each(p->view_v[c], real * rows, real * (rows + ARRAY_PADDING));
         each(p->view_omega[c], real * rows, real * (rows + ARRAY_PADDING));
         each(p->view_lag[c], real * rows, real * (rows + ARRAY_PADDING));
-        each(p->view_lag_omega[c], real * rows, real * (rows + ARRAY_PADDING));
+        each(p->view_lag[3 + c], real * rows, real * (rows + ARRAY_PADDING));
         guard_floats(p->u_rest[c], p->count, each);
         guard_floats(p->v_rest[c], p->count, each);
         guard_floats(p->omega_rest[c], p->count, each);
@@ -339,7 +339,7 @@ static void motion_compare(const struct particles *a, const struct particles *b)
         same_memory(a->view_v[c], b->view_v[c], count * real);
         same_memory(a->view_omega[c], b->view_omega[c], count * real);
         same_memory(a->view_lag[c], b->view_lag[c], count * real);
-        same_memory(a->view_lag_omega[c], b->view_lag_omega[c], count * real);
+        same_memory(a->view_lag[3 + c], b->view_lag[3 + c], count * real);
         same_memory(a->u_rest[c], b->u_rest[c], count * sizeof(float));
         same_memory(a->v_rest[c], b->v_rest[c], count * sizeof(float));
         same_memory(a->omega_rest[c], b->omega_rest[c], count * sizeof(float));

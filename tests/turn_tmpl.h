@@ -13,18 +13,21 @@ static void NAME(turn_often)(const double *axis, double angle, int n, double *sp
     for (int c = 0; c < 3; c++)
         s[c] = (scalar)spring[c];
     for (int k = 1; k <= n; k++) {
-        struct NAME(meeting) at = {.inverse = 1};
+        struct NAME(meeting) at;
+        struct NAME(sides) of;
         double normal[3], side[3];
         const double x[3] = {1, 0, 0};
         turn_about(axis, angle * k, x, normal);
         cross_of(axis, normal, side);
-        real unit[3], gt[3], change[3] = {0};
+        real gt[3], change[3] = {0};
+        of.inverse = 1;
         for (int c = 0; c < 3; c++) {
-            unit[c] = (scalar)normal[c];
+            at.n[c] = (scalar)normal[c];
             gt[c] = (scalar)(angle * side[c]); /* at distance 1 in a step of 1 s */
-            at.spin[c] = (scalar)(2 * angle * axis[c]);
+            of.spin[c] = (scalar)(2 * angle * axis[c]);
         }
-        NAME(turn)(&law, &at, unit, gt, s, change);
+        NAME(turning)(&law, &of, gt, &at);
+        NAME(turn)(&at, s, change);
         for (int c = 0; c < 3; c++) {
             real more = SINGLE ? rest[c] + change[c] : change[c], after = s[c] + more;
             rest[c] = more - (after - s[c]);

@@ -67,10 +67,8 @@ static enum status records_init(struct particles *p)
         TRY(array_resize(&p->view_v[c], real, (size_t)p->n_padded, 0));
     for (int c = 0; c < p->n_rotations; c++)
         TRY(array_resize(&p->view_omega[c], real, (size_t)p->n_padded, 0));
-    for (int c = 0; c < p->dimension && frictional(p); c++)
+    for (int c = 0; frictional(p) && c < LAG_COLUMNS(p->dimension, p->mixed); c++)
         TRY(array_resize(&p->view_lag[c], real, (size_t)p->n_padded, 0));
-    for (int c = 0; c < p->n_rotations; c++)
-        TRY(array_resize(&p->view_lag_omega[c], real, (size_t)p->n_padded, 0));
     TRY(rests_init(p));
     for (int k = 0; !p->mixed && k < ARRAY_PADDING; k++) /* no two behind the last particle at one place */
         p->x[0][p->count + k] = p->x_list[0][p->count + k] = -1e6 * (k + 1);
@@ -209,7 +207,7 @@ void particles_free(struct particles *p)
         free(p->view_v[c]);
         free(p->view_omega[c]);
         free(p->view_lag[c]);
-        free(p->view_lag_omega[c]);
+        free(p->view_lag[3 + c]);
         free(p->u_rest[c]);
         free(p->v_rest[c]);
         free(p->omega_rest[c]);

@@ -43,17 +43,20 @@ struct particles {
     void *view_v[3]; /* [n_padded] predicted velocities, made by drift */
     void *view_omega[3];
     /* With friction: what the mean of the predicted velocities at both ends of a step is short of that of the middle,
-     * v(k+1/2) = (v*(k) + v*(k+1) + lag)/2; so contacts follow the particles exactly. */
-    void *view_lag[3], *view_lag_omega[3];
-    int32_t *view_u[3];                                   /* [n_padded] mixed: u; made by drift */
+     * v(k+1/2) = (v*(k) + v*(k+1) + lag)/2; so contacts follow the particles exactly. Those of velocities, and then of
+     * rotations; 3D, mixed: pairs (lanes_reference.h) of one of each. What a pair leaves out, at most 2^-7 of a lag, is
+     * left to v* and omega*, whose own error is the lag of the next step. */
+    void *view_lag[6];
+    bool springs;       /* contacts have springs, for whose sake v* makes up for what pairs leave out */
+    int32_t *view_u[3]; /* [n_padded] mixed: u; made by drift */
     void *view_inv_mass, *view_minus_lever, *view_radius; /* [count] minus_lever: -a/I */
 };
 
 /* Records, in doubles. 2D: [x0 x1 v0 v1], with friction [omega lag0 lag1 lag_omega]; 3D: [x0 x1 x2 lag0][v0 v1 v2
  * lag1], with friction [omega0 omega1 omega2 lag2][lag_omega0 lag_omega1 lag_omega2 -]. Single, in integers u
  * (position: x_list + u quantum) and floats: 2D [u0 u1 v0 v1], with friction [omega lag0 lag1 lag_omega]; 3D [u0 u1 u2
- * v0 v1 v2 omega0 omega1], with friction [omega2 lag0 lag1 lag2 lag_omega0 lag_omega1 lag_omega2 -]. Sums, double or
- * float: first a row for each particle, 2D [f0 f1], with friction [f0 f1 moment -]; 3D [f0 f1 f2 -], with friction
+ * v0 v1 v2 omega0 omega1], with friction [omega2 lag0 lag1 lag2] of pairs, and a block of air. Sums, double
+ * or float: first a row for each particle, 2D [f0 f1], with friction [f0 f1 moment -]; 3D [f0 f1 f2 -], with friction
  * [moment0 moment1 moment2 -]. Behind the n_rows rows a column of n_padded for each component of force and moment, for
  * sums over particles side by side, which the kernel of the pairs starts anew. Torque = -a moment. */
 #define RECORD_STRIDE(dimension, frictional, mixed)                                                                    \
@@ -61,6 +64,8 @@ struct particles {
 #define SUMS_BYTES(dimension, frictional, mixed)                                                                       \
     ((int)((dimension) == 2 ? ((frictional) ? 4 : 2) : ((frictional) ? 8 : 4)) * ((mixed) ? 4 : 8))
 #define FORCE_MOMENT(dimension) ((dimension) == 2 ? 2 : 4)
+/* Columns of view_lag. */
+#define LAG_COLUMNS(dimension, mixed) ((dimension) == 3 && !(mixed) ? 6 : 3)
 /* Where the columns start, in bytes. */
 #define PARTICLES_COLUMNS_OFFSET(rows, dimension, frictional, mixed)                                                   \
     ((size_t)(rows)*SUMS_BYTES(dimension, frictional, mixed))

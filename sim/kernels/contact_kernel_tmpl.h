@@ -6,6 +6,24 @@ struct NAME(other) {
     real x[DIM], v[DIM], omega[3], lag[DIM], lag_omega[3];
 };
 
+#if FRICTIONAL
+/* Lags as views and records have them. */
+LANES_INLINE void NAME(lags_of)(const real *kept, struct NAME(other) * to)
+{
+#if SINGLE && DIM == 3
+    for (int c = 0; c < 3; c++) {
+        to->lag[c] = f32_first(kept[c]);
+        to->lag_omega[c] = f32_second(kept[c]);
+    }
+#else
+    for (int c = 0; c < DIM; c++)
+        to->lag[c] = kept[c];
+    for (int c = 0; c < SPRINGS; c++)
+        to->lag_omega[c] = kept[DIM + c];
+#endif
+}
+#endif
+
 LANES_INLINE struct NAME(other) NAME(other)(const struct particles *p, const uint32_t *row)
 {
     struct NAME(other) to = {0};
@@ -14,7 +32,7 @@ LANES_INLINE struct NAME(other) NAME(other)(const struct particles *p, const uin
 #if FRICTIONAL
     f32_gather8(p->record, row, block);
     if (DIM == 3)
-        f32_gather8((const double *)p->record + 4, row, block + 8);
+        f32_gather4((const double *)p->record + 4, row, block + 8);
 #elif DIM == 2
     f32_gather4(p->record, row, block);
 #else
@@ -25,12 +43,9 @@ LANES_INLINE struct NAME(other) NAME(other)(const struct particles *p, const uin
         to.v[c] = block[DIM + c];
     }
 #if FRICTIONAL
-    for (int c = 0; c < DIM; c++)
-        to.lag[c] = block[2 * DIM + SPRINGS + c];
-    for (int c = 0; c < SPRINGS; c++) {
+    for (int c = 0; c < SPRINGS; c++)
         to.omega[c] = block[2 * DIM + c];
-        to.lag_omega[c] = block[3 * DIM + SPRINGS + c];
-    }
+    NAME(lags_of)(block + 2 * DIM + SPRINGS, &to);
 #endif
 #else
     const double *record = p->record;
@@ -50,17 +65,14 @@ LANES_INLINE struct NAME(other) NAME(other)(const struct particles *p, const uin
 #if FRICTIONAL && DIM == 2
     f64_gather4(record + 4, row, block + 4);
     to.omega[0] = block[4];
-    to.lag[0] = block[5];
-    to.lag[1] = block[6];
-    to.lag_omega[0] = block[7];
+    NAME(lags_of)(block + 5, &to);
 #elif FRICTIONAL
     f64_gather4(record + 8, row, block + 8);
     f64_gather4(record + 12, row, block + 12);
-    for (int c = 0; c < 3; c++) {
+    const real lags[6] = {block[3], block[7], block[11], block[12], block[13], block[14]};
+    for (int c = 0; c < 3; c++)
         to.omega[c] = block[8 + c];
-        to.lag[c] = block[3 + 4 * c];
-        to.lag_omega[c] = block[12 + c];
-    }
+    NAME(lags_of)(lags, &to);
 #endif
 #endif
     return to;
@@ -102,12 +114,12 @@ LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, const st
         to.v[c] = NAME(load_at)(p->view_v[c], at);
     }
 #if FRICTIONAL
-    for (int c = 0; c < DIM; c++)
-        to.lag[c] = NAME(load_at)(p->view_lag[c], at);
-    for (int c = 0; c < SPRINGS; c++) {
+    real lags[6];
+    for (int c = 0; c < LAG_COLUMNS(DIM, SINGLE); c++)
+        lags[c] = NAME(load_at)(p->view_lag[c], at);
+    for (int c = 0; c < SPRINGS; c++)
         to.omega[c] = NAME(load_at)(p->view_omega[c], at);
-        to.lag_omega[c] = NAME(load_at)(p->view_lag_omega[c], at);
-    }
+    NAME(lags_of)(lags, &to);
 #endif
     return to;
 }
@@ -136,12 +148,11 @@ LANES_INLINE struct NAME(seats) NAME(seats)(const struct NAME(range) * r, enum p
 
 /* First part of LANES pairs of a set, from its slot l on: what the law wants to know of them but for the root of the
  * distance, for which the reach is in the place of `inverse` and, mixed, reach^2 - d^2 in that of delta. */
-LANES_INLINE struct NAME(meeting)
-    NAME(approach)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l)
+LANES_INLINE struct NAME(sides) NAME(approach)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l)
 {
     const struct particles *p = r->p;
     const struct contact_slots *slots = &r->slots;
-    struct NAME(meeting) at;
+    struct NAME(sides) at;
     const size_t k = set * SET_WIDTH + l;
     const struct NAME(seats) seats = NAME(seats)(r, kind, set, l),
                              behind = {.first = seats.first + 1, .together = true};
@@ -189,7 +200,7 @@ LANES_INLINE struct NAME(meeting)
 }
 
 /* The root, and with it `inverse`, delta and the lever arms. */
-LANES_INLINE void NAME(root)(struct NAME(meeting) * at)
+LANES_INLINE void NAME(root)(struct NAME(sides) * at)
 {
     const real reach = at->inverse;
 #if SINGLE
@@ -300,24 +311,34 @@ LANES_INLINE struct NAME(contact_result) NAME(no_result)(void)
 
 /* The sets of contacts are independent but for the sums, and each is one long chain of operations; many of a chain's
  * kind run at a time. So a chunk of sets goes through each part before the next part begins, with what is in between in
- * the nearest cache. */
+ * the nearest cache. With the wider of the vectors a part ends where least has to be kept; the narrower, whose chains
+ * are as long, have roots and forces in parts of their own (APART). */
 struct NAME(chunk) {
     union {
+        struct NAME(sides) sides;
         struct NAME(meeting) at;
         struct NAME(touch) touch;
         struct NAME(contact_result) result;
     } set[CHUNK]; /* each part takes the place of the one before */
 };
 
-/* Both halves of the law for n sets from slot k on. Roots apart pay in the narrower of the vectors, whose chains are as
- * long. */
-LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) * law,
-                             const struct contact_slots *slots, size_t k, int n, struct NAME(sums) * sums)
+/* Set m, for the law. */
+LANES_INLINE void NAME(keep_meeting)(struct NAME(chunk) * chunk, int m, const struct NAME(law) * law,
+                                     const struct NAME(sides) * sides)
 {
-    enum { APART = F64_LANES == 4 };
+    if (APART)
+        chunk->set[m].sides = *sides;
+    else
+        chunk->set[m].at = NAME(meet)(law, sides);
+}
+
+/* The first half of the law for n sets from slot k on, up to what they keep of their test forces. */
+LANES_INLINE void NAME(tests)(struct NAME(chunk) * chunk, const struct NAME(law) * law,
+                              const struct contact_slots *slots, size_t k, int n, struct NAME(sums) * sums)
+{
     for (int m = 0; m < n; m++) {
-        struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
-        const struct NAME(meeting) at = chunk->set[m].at;
+        const struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
+        const struct NAME(meeting) at = APART ? NAME(meet)(law, &chunk->set[m].sides) : chunk->set[m].at;
         struct NAME(touch) touch = NAME(touch)(law, &at, &memory, sums);
 #if FRICTIONAL
         if (!APART)
@@ -327,15 +348,28 @@ LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) 
     }
 #if FRICTIONAL
     for (int m = 0; m < n && APART; m++) {
-        struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
+        const struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
         NAME(keep)(law, &chunk->set[m].touch, &memory);
     }
 #endif
-    for (int m = 0; m < n; m++) {
-        struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
-        const struct NAME(touch) touch = chunk->set[m].touch;
-        chunk->set[m].result = NAME(force)(law, &touch, &memory, sums);
-    }
+}
+
+/* The second half for set m of them. */
+LANES_INLINE struct NAME(contact_result)
+    NAME(force_of)(const struct NAME(chunk) * chunk, const struct NAME(law) * law, const struct contact_slots *slots,
+                   size_t k, int m, struct NAME(sums) * sums)
+{
+    const struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
+    const struct NAME(touch) touch = chunk->set[m].touch;
+    return NAME(force)(law, &touch, &memory, sums);
+}
+
+/* Forces before any is added, where that is a part of its own. */
+LANES_INLINE void NAME(forces)(struct NAME(chunk) * chunk, const struct NAME(law) * law,
+                               const struct contact_slots *slots, size_t k, int n, struct NAME(sums) * sums)
+{
+    for (int m = 0; m < n && APART; m++)
+        chunk->set[m].result = NAME(force_of)(chunk, law, slots, k, m, sums);
 }
 
 /* Sets from slot k on that fit in a chunk, up to `end`. */
@@ -362,7 +396,7 @@ LANES_INLINE void NAME(ask)(const struct particles *p, const void *force, const 
  * k + 1, the law is that of vector k, and vector k - 1 (in double, which fills registers sooner, k itself) is added up;
  * nothing, before the first one. */
 struct NAME(under_way) {
-    struct NAME(meeting) near, next;
+    struct NAME(sides) near, next;
     struct NAME(contact_result) done, before;
     size_t done_set, done_l;
 };
@@ -380,7 +414,7 @@ LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, enum pair_kind kind,
 {
     const size_t l = NAME(in_turn)(kind, turn), ahead = turn + 2 * LANES, set_ahead = set + ahead / SET_WIDTH;
     struct NAME(memory) memory = NAME(memory_at)(r->slots.pair, r->slots.history, set * SET_WIDTH + l);
-    struct NAME(meeting) at = way->next;
+    const struct NAME(meeting) at = NAME(meet)(&r->law, &way->next);
     way->next = way->near;
     NAME(root)(&way->next);
     if (set_ahead < r->last)
@@ -421,6 +455,18 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind 
         NAME(add_pair)(r, kind, way.done_set, way.done_l, &way.done, &way.before);
 }
 #else
+/* n sets of pairs from slot k on, as the law wants them. */
+LANES_INLINE void NAME(meet_pairs)(struct NAME(chunk) * chunk, const struct NAME(range) * r, enum pair_kind kind,
+                                   size_t k, int n)
+{
+    for (int m = 0; m < n; m++) {
+        const size_t at = k + (size_t)m * LANES;
+        struct NAME(sides) sides = NAME(approach)(r, kind, at / SET_WIDTH, at % SET_WIDTH);
+        NAME(root)(&sides);
+        NAME(keep_meeting)(chunk, m, &r->law, &sides);
+    }
+}
+
 LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind kind, bool large,
                                    struct NAME(sums) * sums, struct NAME(totals) * totals)
 {
@@ -433,15 +479,15 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind 
         for (size_t ahead = second; large && kind != PAIRS_NEXT && ahead < end && ahead < second + CHUNK * LANES;
              ahead += LANES)
             NAME(ask)(r->p, r->force, r->slots.partner + ahead);
+        NAME(meet_pairs)(&chunk, r, kind, k, n);
+        NAME(tests)(&chunk, &r->law, &r->slots, k, n, sums);
+        NAME(forces)(&chunk, &r->law, &r->slots, k, n, sums);
         for (int m = 0; m < n; m++) {
             const size_t at = k + (size_t)m * LANES;
-            chunk.set[m].at = NAME(approach)(r, kind, at / SET_WIDTH, at % SET_WIDTH);
-            NAME(root)(&chunk.set[m].at);
-        }
-        NAME(laws)(&chunk, &r->law, &r->slots, k, n, sums);
-        for (int m = 0; m < n; m++) {
-            const size_t at = k + (size_t)m * LANES;
-            NAME(add_pair)(r, kind, at / SET_WIDTH, at % SET_WIDTH, &chunk.set[m].result, &before);
+            struct NAME(contact_result) result = chunk.set[m].result;
+            if (!APART)
+                result = NAME(force_of)(&chunk, &r->law, &r->slots, k, m, sums);
+            NAME(add_pair)(r, kind, at / SET_WIDTH, at % SET_WIDTH, &result, &before);
         }
         if (SINGLE && (k - start) % CLOSE_EVERY == 0)
             NAME(sums_close)(sums, totals);
@@ -534,11 +580,11 @@ LANES_INLINE real NAME(overlap)(const struct particles *p, const struct wall *wa
 }
 
 /* First part against a wall, which has no rotation. */
-LANES_INLINE struct NAME(meeting) NAME(meet_wall)(const struct particles *p, const struct wall *wall, size_t k)
+LANES_INLINE struct NAME(sides) NAME(meet_wall)(const struct particles *p, const struct wall *wall, size_t k)
 {
     const struct contact_slots *slots = &wall->contacts.slots;
     const struct NAME(other) i = NAME(other)(p, slots->partner + k);
-    struct NAME(meeting) at;
+    struct NAME(sides) at;
     real x = i.x[0];
     for (int c = 0; c < DIM; c++) {
         at.d[c] = real_all(c == wall->axis ? wall->inward : 0.0);
@@ -610,12 +656,18 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
     for (size_t k = 0; k < end; k += CHUNK * LANES) {
         const int n = NAME(chunk_size)(k, end);
         for (int m = 0; m < n; m++) {
-            chunk.set[m].at = NAME(meet_wall)(p, wall, k + (size_t)m * LANES);
-            touching = touching + real_where(real_greater(chunk.set[m].at.delta, real_all(0.0)), real_all(1.0));
+            const struct NAME(sides) sides = NAME(meet_wall)(p, wall, k + (size_t)m * LANES);
+            NAME(keep_meeting)(&chunk, m, &law, &sides);
+            touching = touching + real_where(real_greater(sides.delta, real_all(0.0)), real_all(1.0));
         }
-        NAME(laws)(&chunk, &law, &slots, k, n, &sums);
-        for (int m = 0; m < n; m++)
-            NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, chunk.set[m].result, columns);
+        NAME(tests)(&chunk, &law, &slots, k, n, &sums);
+        NAME(forces)(&chunk, &law, &slots, k, n, &sums);
+        for (int m = 0; m < n; m++) {
+            struct NAME(contact_result) result = chunk.set[m].result;
+            if (!APART)
+                result = NAME(force_of)(&chunk, &law, &slots, k, m, &sums);
+            NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, result, columns);
+        }
     }
     NAME(sums_close)(&sums, &totals);
     NAME(totals_add)(&totals, constants, dt_s, &units, losses);

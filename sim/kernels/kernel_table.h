@@ -1,7 +1,8 @@
 /* The kernels of every model under the including file's ISA, and the table of them: [law][dimension - 2][friction]
  * [mixed]. */
 enum {
-    CHUNK = 8,         /* sets that go through a kernel's parts together */
+    CHUNK = 8, /* sets that go through a kernel's parts together */
+    APART = F64_LANES == 4,
     ASK_AHEAD = 8,     /* sets, of what the caches do not hold */
     CLOSE_EVERY = 1024 /* slots: sums in float stay short */
 };

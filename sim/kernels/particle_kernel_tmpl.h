@@ -17,7 +17,7 @@ LANES_INLINE void NAME(pack_ahead)(const struct particles *p, int i)
 struct NAME(motion) {
     real x[DIM], v[DIM];
 #if FRICTIONAL
-    real omega[SPRINGS], lag[DIM], lag_omega[SPRINGS];
+    real omega[SPRINGS], lag[LAG_COLUMNS(DIM, SINGLE)];
 #endif
 };
 
@@ -35,23 +35,21 @@ LANES_INLINE void NAME(pack)(struct particles *p, int i, const struct NAME(motio
         real_store((scalar *)p->view_v[c] + i, v[c]);
     }
 #if FRICTIONAL
-    const real *omega = m->omega, *lag = m->lag, *spin = m->lag_omega;
-    for (int c = 0; c < DIM; c++)
+    const real *omega = m->omega, *lag = m->lag;
+    for (int c = 0; c < LAG_COLUMNS(DIM, SINGLE); c++)
         real_store((scalar *)p->view_lag[c] + i, lag[c]);
-    for (int c = 0; c < SPRINGS; c++) {
+    for (int c = 0; c < SPRINGS; c++)
         real_store((scalar *)p->view_omega[c] + i, omega[c]);
-        real_store((scalar *)p->view_lag_omega[c] + i, spin[c]);
-    }
 #endif
 #if SINGLE && DIM == 2 && FRICTIONAL
-    const real record[8] = {x[0], x[1], v[0], v[1], omega[0], lag[0], lag[1], spin[0]};
+    const real record[8] = {x[0], x[1], v[0], v[1], omega[0], lag[0], lag[1], lag[2]};
     f32_store8((float *)to, record);
 #elif SINGLE && DIM == 2
     const real record[4] = {x[0], x[1], v[0], v[1]};
     f32_store4((float *)to, record);
 #elif SINGLE && FRICTIONAL
-    const real record[16] = {x[0],     x[1],   x[2],   v[0],   v[1],    v[2],    omega[0], omega[1],
-                             omega[2], lag[0], lag[1], lag[2], spin[0], spin[1], spin[2],  zero};
+    const real record[16] = {x[0],     x[1],   x[2],   v[0],   v[1], v[2], omega[0], omega[1],
+                             omega[2], lag[0], lag[1], lag[2], zero, zero, zero,     zero};
     f32_store16((float *)to, record);
 #elif SINGLE
     const real record[8] = {x[0], x[1], x[2], v[0], v[1], v[2], zero, zero};
@@ -60,13 +58,13 @@ LANES_INLINE void NAME(pack)(struct particles *p, int i, const struct NAME(motio
     const real block[4] = {x[0], x[1], v[0], v[1]};
     f64_store4(to, STRIDE, block);
 #if FRICTIONAL
-    const real rotation[4] = {omega[0], lag[0], lag[1], spin[0]};
+    const real rotation[4] = {omega[0], lag[0], lag[1], lag[2]};
     f64_store4(to + 4, STRIDE, rotation);
 #endif
 #else
 #if FRICTIONAL
     const real lag0 = lag[0], lag1 = lag[1];
-    const real rotation[4] = {omega[0], omega[1], omega[2], lag[2]}, last[4] = {spin[0], spin[1], spin[2], zero};
+    const real rotation[4] = {omega[0], omega[1], omega[2], lag[2]}, last[4] = {lag[3], lag[4], lag[5], zero};
     f64_store4(to + 8, STRIDE, rotation);
     f64_store4(to + 12, STRIDE, last);
 #else
@@ -173,7 +171,9 @@ LANES_INLINE struct NAME(push) NAME(pushed)(struct particles *p, int i, struct N
 struct NAME(drift) {
     real_mask near;
     real half, limit2;
-    real since; /* 1; 0 at the start of a stage, whose springs are those of now and not of half a step ahead */
+    real since;       /* 1; 0 at the start of a stage, whose springs are those of now and not of half a step ahead */
+    real twice_since; /* 2 - since */
+    real made_up;     /* part of what pairs leave out of lags that goes over to what is predicted: 1, or 0 */
 #if SINGLE
     real push;                /* from the middle of the step before to that of the one to come */
     real quanta, quanta_rest; /* dt, in quanta per unit of speed; and what rounding left out */
@@ -189,6 +189,8 @@ LANES_INLINE struct NAME(drift) NAME(drift_of)(const struct particles *p, double
     struct NAME(drift) to = {.near = real_at_least(zero, zero), .half = real_all(0.5 * dt_s)};
     to.limit2 = real_all(reach * reach);
     to.since = real_all(before_s > 0 ? 1.0 : 0.0);
+    to.twice_since = real_all(before_s > 0 ? 1.0 : 2.0);
+    to.made_up = real_all(before_s > 0 && p->springs ? 1.0 : 0.0);
 #if SINGLE
     const double quanta = dt_s / p->quantum * p->speed_unit;
     to.push = real_all(0.5 * (before_s + dt_s));
@@ -201,18 +203,44 @@ LANES_INLINE struct NAME(drift) NAME(drift_of)(const struct particles *p, double
     return to;
 }
 
-#if SINGLE
-/* One component of velocity or rotation, from the middle of one step to that of the next; returns the predicted one,
- * and what that of the middle is more in *rest_of. Sums of what is small go first, so that little is lost. */
-LANES_INLINE real NAME(speed)(const struct NAME(drift) * drift, const float *view, float *rest, real a, real *rest_of)
+/* One component of velocity or rotation: the predicted one of the step before and of this one, and that of the middle
+ * (mixed: how much more it is than the one before). */
+struct NAME(pace) {
+    real before, now, middle;
+};
+
+/* view: what was predicted; kept: the velocity of the middle of the step before, or settled; mixed: what it is more
+ * than the predicted one, and sums of what is small go first, so that little is lost. */
+LANES_INLINE struct NAME(pace)
+    NAME(pace)(const struct NAME(drift) * drift, const void *view, scalar *kept, real a, bool settled)
 {
-    const real before = real_load(view), more = real_fma(drift->push, a, real_load(rest));
-    const real after = before + real_fma(drift->half, a, more);
-    *rest_of = (before - after) + more;
-    real_store(rest, *rest_of);
-    return after;
+    struct NAME(pace) to = {.before = real_load((const scalar *)view), .middle = real_load(kept)};
+#if SINGLE
+    (void)settled;
+    to.middle = real_fma(drift->push, a, to.middle);
+    to.now = to.before + real_fma(drift->half, a, to.middle);
+#else
+    if (!settled)
+        to.middle = real_fma(drift->before_half, a, to.middle);
+    to.middle = real_fma(drift->half, a, to.middle);
+    to.now = real_fma(drift->half, a, to.middle);
+#endif
+    return to;
 }
 
+/* For the step to come; returns what is kept. */
+LANES_INLINE real NAME(pace_keep)(const struct NAME(pace) * pace, scalar *kept)
+{
+#if SINGLE
+    const real keep = (pace->before - pace->now) + pace->middle;
+#else
+    const real keep = pace->middle;
+#endif
+    real_store(kept, keep);
+    return keep;
+}
+
+#if SINGLE
 /* One component of the position, in whole quanta, which it returns, and the rest. */
 LANES_INLINE real NAME(place)(const struct NAME(drift) * drift, const int32_t *u, float *rest, real v, real v_rest)
 {
@@ -221,25 +249,41 @@ LANES_INLINE real NAME(place)(const struct NAME(drift) * drift, const int32_t *u
     real_store(rest, real_fma(drift->quanta, v, -whole) + small);
     return f32_sum_of_integers(real_load((const float *)u), f32_to_integers(whole));
 }
-#else
-/* One component of velocity or rotation, from the middle of one step, or settled, to the middle of the next. */
-LANES_INLINE real NAME(speed)(const struct NAME(drift) * drift, double *v, real a, bool settled)
-{
-    real now = real_load(v);
-    if (!settled)
-        now = real_fma(drift->before_half, a, now);
-    now = real_fma(drift->half, a, now);
-    real_store(v, now);
-    return now;
-}
 #endif
 
 #if FRICTIONAL
-/* The lag of a component: 2 v(k+1/2) - v*(k) - v*(k+1), from the predicted ones before and now and what the middle is
- * more than that of now. */
-LANES_INLINE real NAME(lag)(const struct NAME(drift) * drift, real before, real now, real middle_more)
+/* 2 v(k+1/2) - v*(k) - v*(k+1) */
+LANES_INLINE real NAME(lag)(const struct NAME(drift) * drift, const struct NAME(pace) * pace)
 {
-    return real_fma(real_all(2.0), middle_more, real_fma(-drift->since, before, now));
+#if SINGLE
+    return real_fma(real_all(2.0), pace->middle, real_fma(drift->twice_since, pace->before, -pace->now));
+#else
+    return real_fma(real_all(2.0), pace->middle - pace->now, real_fma(-drift->since, pace->before, pace->now));
+#endif
+}
+
+/* Component c of the rotations, and of the lags as contacts get them; of pairs, and then what is predicted makes up for
+ * what pairs leave out. */
+LANES_INLINE void NAME(turned)(struct particles *p, int i, const struct NAME(drift) * drift,
+                               const struct NAME(push) * push, bool settled, int c, struct NAME(pace) * v,
+                               struct NAME(motion) * to)
+{
+    const real lag = NAME(lag)(drift, v);
+    to->lag[c] = lag;
+    if (c >= SPRINGS)
+        return;
+    scalar *kept = SINGLE ? (scalar *)p->omega_rest[c] + i : (scalar *)p->omega[c] + i;
+    struct NAME(pace) omega = NAME(pace)(drift, (const scalar *)p->view_omega[c] + i, kept, push->alpha[c], settled);
+    const real spin = NAME(lag)(drift, &omega);
+#if SINGLE && DIM == 3
+    to->lag[c] = f32_pair(lag, spin);
+    v->now = real_fma(drift->made_up, lag - f32_first(to->lag[c]), v->now);
+    omega.now = real_fma(drift->made_up, spin - f32_second(to->lag[c]), omega.now);
+#else
+    to->lag[DIM + c] = spin;
+#endif
+    to->omega[c] = omega.now;
+    (void)NAME(pace_keep)(&omega, kept);
 }
 #endif
 
@@ -249,48 +293,25 @@ LANES_INLINE void NAME(drifted)(struct particles *p, int i, struct NAME(drift) *
                                 bool settled)
 {
     struct NAME(motion) to;
-    real *place = to.x, *v = to.v, moved2 = real_all(0.0);
-    (void)settled;
+    real moved2 = real_all(0.0);
     for (int c = 0; c < DIM; c++) {
-        const real before = real_load((const scalar *)p->view_v[c] + i);
-        (void)before;
+        scalar *kept = SINGLE ? (scalar *)p->v_rest[c] + i : (scalar *)p->v[c] + i;
+        struct NAME(pace) v = NAME(pace)(drift, (const scalar *)p->view_v[c] + i, kept, push->a[c], settled);
+#if FRICTIONAL
+        NAME(turned)(p, i, drift, push, settled, c, &v, &to);
+#endif
+        const real keep = NAME(pace_keep)(&v, kept);
+        to.v[c] = v.now;
 #if SINGLE
-        real rest;
-        v[c] = NAME(speed)(drift, (const float *)p->view_v[c] + i, p->v_rest[c] + i, push->a[c], &rest);
-        place[c] = NAME(place)(drift, p->view_u[c] + i, p->u_rest[c] + i, v[c], rest);
-        real moved = f32_of_integers(place[c]);
-#if FRICTIONAL
-        to.lag[c] = NAME(lag)(drift, before, v[c], rest);
-#endif
+        to.x[c] = NAME(place)(drift, p->view_u[c] + i, p->u_rest[c] + i, v.now, keep);
+        real moved = f32_of_integers(to.x[c]);
 #else
-        v[c] = NAME(speed)(drift, p->v[c] + i, push->a[c], settled);
-        place[c] = f64_fma(drift->dt, v[c], f64_load(p->x[c] + i));
-        f64_store(p->x[c] + i, place[c]);
-        real moved = place[c] - f64_load(p->x_list[c] + i);
-        const real middle = v[c];
-        v[c] = f64_fma(drift->half, push->a[c], v[c]);
-        (void)middle;
-#if FRICTIONAL
-        to.lag[c] = NAME(lag)(drift, before, v[c], middle - v[c]);
-#endif
+        to.x[c] = f64_fma(drift->dt, keep, f64_load(p->x[c] + i));
+        f64_store(p->x[c] + i, to.x[c]);
+        real moved = to.x[c] - f64_load(p->x_list[c] + i);
 #endif
         moved2 = real_fma(moved, moved, moved2);
     }
-#if FRICTIONAL
-    for (int c = 0; c < SPRINGS; c++) {
-        const real before = real_load((const scalar *)p->view_omega[c] + i);
-#if SINGLE
-        real rest;
-        to.omega[c] =
-            NAME(speed)(drift, (const float *)p->view_omega[c] + i, p->omega_rest[c] + i, push->alpha[c], &rest);
-#else
-        const real middle = NAME(speed)(drift, p->omega[c] + i, push->alpha[c], settled);
-        to.omega[c] = f64_fma(drift->half, push->alpha[c], middle);
-        const real rest = middle - to.omega[c];
-#endif
-        to.lag_omega[c] = NAME(lag)(drift, before, to.omega[c], rest);
-    }
-#endif
     drift->near = real_and(drift->near, real_at_least(drift->limit2, moved2));
     NAME(pack_ahead)(p, i);
     NAME(pack)(p, i, &to);

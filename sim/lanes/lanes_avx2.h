@@ -164,6 +164,19 @@ LANES_INLINE f32 f32_sum_of_integers(f32 a, f32 b)
 {
     return _mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b)));
 }
+LANES_INLINE f32 f32_pair(f32 a, f32 b)
+{
+    const __m256i second = _mm256_srli_epi32(_mm256_castps_si256(b), 16);
+    return _mm256_castsi256_ps(_mm256_blend_epi16(second, _mm256_castps_si256(a), 0xaa));
+}
+LANES_INLINE f32 f32_first(f32 pair)
+{
+    return _mm256_and_ps(pair, _mm256_castsi256_ps(_mm256_set1_epi32(-0x10000)));
+}
+LANES_INLINE f32 f32_second(f32 pair)
+{
+    return _mm256_castsi256_ps(_mm256_slli_epi32(_mm256_castps_si256(pair), 16));
+}
 /* Rows 0 and 2, 1 and 3 share registers: two halves from memory, and one shuffle a column. */
 LANES_INLINE f64 lanes_two(const double *low, const double *high)
 {

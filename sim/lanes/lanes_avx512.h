@@ -167,6 +167,19 @@ LANES_INLINE f32 f32_sum_of_integers(f32 a, f32 b)
 {
     return _mm512_castsi512_ps(_mm512_add_epi32(_mm512_castps_si512(a), _mm512_castps_si512(b)));
 }
+LANES_INLINE f32 f32_pair(f32 a, f32 b)
+{
+    const __m512i first = _mm512_set1_epi32(-0x10000), second = _mm512_srli_epi32(_mm512_castps_si512(b), 16);
+    return _mm512_castsi512_ps(_mm512_ternarylogic_epi32(first, _mm512_castps_si512(a), second, 0xca));
+}
+LANES_INLINE f32 f32_first(f32 pair)
+{
+    return _mm512_and_ps(pair, _mm512_castsi512_ps(_mm512_set1_epi32(-0x10000)));
+}
+LANES_INLINE f32 f32_second(f32 pair)
+{
+    return _mm512_castsi512_ps(_mm512_slli_epi32(_mm512_castps_si512(pair), 16));
+}
 /* Two halves that stand apart; and x taken from them. */
 LANES_INLINE f32 f32_load_halves(const float *low, const float *high)
 {
@@ -390,14 +403,13 @@ LANES_INLINE void f64_add2(void *base, const uint32_t *row, const f64 *column)
 }
 LANES_INLINE void f64_add4(void *base, const uint32_t *row, const f64 *column)
 {
-    double buffer[4][8] __attribute__((aligned(64)));
     f64 rows[4];
     lanes_rows4(column, rows);
-    for (int k = 0; k < 4; k++)
-        _mm512_store_pd(buffer[k], rows[k]);
     for (int r = 0; r < 8; r++) { /* rows[] holds 0|2, 1|3, 4|6, 5|7 */
         double *to = lanes_sums(base, row[r], 4);
-        _mm256_storeu_pd(to, _mm256_loadu_pd(to) + _mm256_load_pd(&buffer[(r & 1) + (r & 4) / 2][2 * (r & 2)]));
+        const f64 two = rows[(r & 1) + (r & 4) / 2];
+        const __m256d one = r & 2 ? _mm512_extractf64x4_pd(two, 1) : _mm512_castpd512_pd256(two);
+        _mm256_storeu_pd(to, _mm256_loadu_pd(to) + one);
     }
 }
 LANES_INLINE void f32_add2(void *base, const uint32_t *row, int unit, const f32 *column)
@@ -431,17 +443,19 @@ LANES_INLINE void f32_add8(void *base, const uint32_t *row, int unit, const f32 
 {
     const __m512i front = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0),
                   back = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
-    float buffer[8][16] __attribute__((aligned(64)));
+    f64 rows[8];
     f32 low[4], high[4];
     lanes_quarters(column, low);
     lanes_quarters(column + 4, high);
-    for (int q = 0; q < 4; q++) { /* rows q, 4 + q | 8 + q, 12 + q, whole */
+    for (int q = 0; q < 4; q++) { /* rows q, 4 + q | 8 + q, 12 + q */
         f64 l = _mm512_castps_pd(low[q]), h = _mm512_castps_pd(high[q]);
-        _mm512_store_pd(buffer[2 * q], _mm512_permutex2var_pd(l, front, h));
-        _mm512_store_pd(buffer[2 * q + 1], _mm512_permutex2var_pd(l, back, h));
+        rows[2 * q] = _mm512_permutex2var_pd(l, front, h);
+        rows[2 * q + 1] = _mm512_permutex2var_pd(l, back, h);
     }
     for (int r = 0; r < 16; r++) {
         float *to = lanes_sums(base, row[r], unit);
-        _mm256_storeu_ps(to, _mm256_loadu_ps(to) + _mm256_load_ps(&buffer[2 * (r & 3) + r / 8][2 * (r & 4)]));
+        const f64 two = rows[2 * (r & 3) + r / 8];
+        const __m256d one = r & 4 ? _mm512_extractf64x4_pd(two, 1) : _mm512_castpd512_pd256(two);
+        _mm256_storeu_ps(to, _mm256_loadu_ps(to) + _mm256_castpd_ps(one));
     }
 }

@@ -184,6 +184,19 @@ LANES_INLINE f32 f32_sum_of_integers(f32 a, f32 b)
 {
     return f32_all_integers((int32_t)((uint32_t)lanes_integer(a) + (uint32_t)lanes_integer(b)));
 }
+/* Two numbers in the place of one: the upper half of the bits of each. */
+LANES_INLINE f32 f32_pair(f32 a, f32 b)
+{
+    return f32_all_integers((int32_t)(((uint32_t)lanes_integer(a) & 0xffff0000) | (uint32_t)lanes_integer(b) >> 16));
+}
+LANES_INLINE f32 f32_first(f32 pair)
+{
+    return f32_all_integers((int32_t)((uint32_t)lanes_integer(pair) & 0xffff0000));
+}
+LANES_INLINE f32 f32_second(f32 pair)
+{
+    return f32_all_integers((int32_t)((uint32_t)lanes_integer(pair) << 16));
+}
 /* Columns of blocks of 4 doubles or floats that start `base` + row[lane] doubles. */
 LANES_INLINE void f64_gather4(const double *base, const uint32_t *row, f64 *column)
 {

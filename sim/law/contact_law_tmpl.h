@@ -197,9 +197,9 @@ LANES_INLINE struct NAME(memory) NAME(memory_at)(void *const *pair, void *const 
     return memory;
 }
 
-/* What the law wants to know of a set of contacts, with i's side against j's: centres, velocities of the centres, w =
- * a_i omega_i + a_j omega_j and spin = omega_i + omega_j; and the lags of velocities and of w. */
-struct NAME(meeting) {
+/* Both sides of a set of contacts, i's against j's: centres, velocities of the centres, w = a_i omega_i + a_j omega_j
+ * and spin = omega_i + omega_j; and the lags of velocities and of w. */
+struct NAME(sides) {
     real d[DIM], g[DIM];
     real inverse, delta; /* inverse of |d|; overlap, up to 0 if they do not touch; mixed: then both 0 */
 #if FRICTIONAL
@@ -211,6 +211,21 @@ struct NAME(meeting) {
 #endif
 #if DIM == 3
     real spin[3];
+#endif
+#endif
+};
+
+/* What the law wants to know of them: along and across the contact. Open contacts: velocities are 0. */
+struct NAME(meeting) {
+    real n[DIM], u, delta; /* u: velocity along n; overlap, 0 if they do not touch */
+#if FRICTIONAL
+    real arm, vt[SPRINGS], lag[SPRINGS]; /* velocity along the tangent plane, and its lag */
+#if DIM == 3
+    real ahead[3], twist; /* how the contact turns in a step (struct of `turn`) */
+#endif
+#if ROLLING
+    real share, rolling[SPRINGS], rolling_lag[SPRINGS]; /* likewise; share: 0 if they do not touch */
+    real torsion, torsion_lag;                          /* 3D */
 #endif
 #endif
 };
@@ -229,7 +244,7 @@ struct NAME(touch) {
 #if FRICTIONAL
     real_mask active;
 #if MINDLIN
-    struct NAME(pair) pair;
+    real inv_kt, gamma_t;
     real stiffness; /* twice what the changing kt takes */
 #endif
     real arm, pull[SPRINGS], pull2, power, viscous, bound2, kinetic, factor;
@@ -305,19 +320,26 @@ LANES_INLINE real NAME(cross)(const real *a, const real *b, int c)
     return real_fma(a[d], b[e], -a[e] * b[d]);
 }
 
-/* Adds to `change` what turning with the contact changes s by: by the smallest rotation that takes the normal of the
- * step before to n, R s = s - (s.n)(n - tan(theta/2) e), e the direction in which n moves, and with the pair's mean
- * spin about n. The length is kept to the fourth order of the turn in a step. gt: velocity of the centres along the
- * tangent plane. */
-LANES_INLINE void NAME(turn)(const struct NAME(law) * law, const struct NAME(meeting) * at, const real *n,
-                             const real *gt, const real *s, real *change)
+/* How a contact turns in a step: `ahead`, n - tan(theta/2) e, e the direction in which n moves; and the pair's mean
+ * spin about n. gt: velocity of the centres along the tangent plane. */
+LANES_INLINE void NAME(turning)(const struct NAME(law) * law, const struct NAME(sides) * of, const real *gt,
+                                struct NAME(meeting) * at)
 {
-    const real along = NAME(dot)(s, n), half_turn = real_all(law->half_per_unit) * at->inverse;
-    const real twist = real_all((scalar)0.5 * law->dt) * NAME(dot)(at->spin, n);
-    const real shrink = real_all(-0.5) * twist * twist;
+    const real half_turn = real_all(law->half_per_unit) * of->inverse;
+    for (int c = 0; c < 3; c++)
+        at->ahead[c] = real_fma(-half_turn, gt[c], at->n[c]);
+    at->twist = real_all((scalar)0.5 * law->dt) * NAME(dot)(of->spin, at->n);
+}
+
+/* Adds to `change` what turning with the contact changes s by: by the smallest rotation that takes the normal of the
+ * step before to n, R s = s - (s.n) ahead, and with the spin about n. The length is kept to the fourth order of the
+ * turn in a step. */
+LANES_INLINE void NAME(turn)(const struct NAME(meeting) * at, const real *s, real *change)
+{
+    const real along = NAME(dot)(s, at->n), twist = at->twist, shrink = real_all(-0.5) * twist * twist;
     for (int c = 0; c < 3; c++) {
-        real to = real_fma(-half_turn, gt[c], n[c]);
-        change[c] = real_fma(-along, to, real_fma(twist, NAME(cross)(n, s, c), real_fma(shrink, s[c], change[c])));
+        const real spun = real_fma(twist, NAME(cross)(at->n, s, c), real_fma(shrink, s[c], change[c]));
+        change[c] = real_fma(-along, at->ahead[c], spun);
     }
 }
 #endif
@@ -363,21 +385,44 @@ LANES_INLINE real NAME(without_pull)(const struct NAME(law) * law, real u, real 
     return pressing + cut;
 }
 
+/* From both sides to what the law wants to know. */
+LANES_INLINE struct NAME(meeting) NAME(meet)(const struct NAME(law) * law, const struct NAME(sides) * of)
+{
+    const real zero = real_all(0.0), delta = SINGLE ? of->delta : real_larger(of->delta, zero);
+    const real_mask active = real_greater(delta, zero);
+    struct NAME(meeting) at = {.delta = delta};
+    (void)law;
+    (void)active;
+    for (int c = 0; c < DIM; c++)
+        at.n[c] = of->d[c] * of->inverse;
+    const real along = NAME(inner)(of->g, at.n); /* mixed: open ones have no normal */
+    at.u = SINGLE ? along : real_where(active, along);
+#if FRICTIONAL
+    real gt[DIM], none[DIM];
+    (void)none;
+    at.arm = of->arm;
+    NAME(tangent)(&at, active, of->g, at.u, of->w, gt, at.vt);
+    NAME(tangent)(&at, active, of->lag, NAME(inner)(of->lag, at.n), of->lag_w, none, at.lag);
+#if DIM == 3
+    NAME(turning)(law, of, gt, &at);
+#endif
+#if ROLLING
+    NAME(rolls)(of, active, &at);
+#endif
+#endif
+    return at;
+}
+
 /* First half of the law for one set of contacts. Open ones have the overlap 0, for which the law gives no force and no
  * history. */
 LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const struct NAME(meeting) * at,
                                             const struct NAME(memory) * memory, struct NAME(sums) * sums)
 {
     struct NAME(touch) touch;
-    const real zero = real_all(0.0), delta = SINGLE ? at->delta : real_larger(at->delta, zero);
-    const real_mask active = real_greater(delta, zero);
-    (void)active;
+    const real zero = real_all(0.0), delta = at->delta, u = at->u;
+    (void)zero;
     for (int c = 0; c < DIM; c++)
-        touch.n[c] = at->d[c] * at->inverse;
-    real u = NAME(inner)(at->g, touch.n); /* mixed: open ones have no normal */
-#if !SINGLE
-    u = real_where(active, u);
-#endif
+        touch.n[c] = at->n[c];
 #if PER_PAIR
     const struct NAME(pair) pair = NAME(pair_of)(&law->normal, delta, real_load(memory->root_mass),
                                                  real_load(memory->radius), &memory->normal, &sums->own);
@@ -395,14 +440,15 @@ LANES_INLINE struct NAME(touch) NAME(touch)(const struct NAME(law) * law, const 
 #if FRICTIONAL
     const real limiting = law->elastic_limit ? -elastic : touch.pressing;
     real limit = real_larger(NAME(normal_friction_limit)(&law->normal, delta, limiting), zero);
-    touch.active = active;
+    touch.active = real_greater(delta, zero);
     touch.arm = at->arm;
-#if MINDLIN
-    touch.pair = pair;
-#endif
     struct NAME(travel) travel;
-    NAME(travel)(law, at, &touch, u, delta, memory, &travel);
+    NAME(travel)(law, at, memory, &travel);
+#if MINDLIN
+    NAME(test)(law, &pair, at, &travel, limit, memory, &touch, sums);
+#else
     NAME(test)(law, at, &travel, limit, memory, &touch, sums);
+#endif
 #if ROLLING
     NAME(roll)(law, at, &travel, limit, memory, &touch, sums);
 #endif

@@ -4,25 +4,25 @@
 /* history: columns of this one contact, changed to no purpose; lever_s: the time step that its spring is half of ahead.
  */
 static void NAME(contact_look)(const struct contact_law_constants *constants, double lever_s,
-                               const struct NAME(meeting) * at, void *const *pair, void *const *history,
+                               const struct NAME(sides) * of, void *const *pair, void *const *history,
                                struct contact_forces *f)
 {
     const struct law_units si = {1, 1, 1};
     const struct NAME(law) law = NAME(law_of)(constants, 0, lever_s, &si);
     const struct NAME(memory) memory = NAME(memory_at)(pair, history, 0);
     struct NAME(sums) sums = {0};
+    const struct NAME(meeting) at = NAME(meet)(&law, of);
 #if ROLLING && DIM == 3 /* before it slides */
-    const double v = at->radius * at->share * at->inverse * NAME(dot)(at->turning, at->d);
-    const double torsion = NAME(twist_test)(&law, v, 0, &memory).pull - law.torsion.gamma * v;
+    const double torsion = NAME(twist_test)(&law, at.torsion, 0, &memory).pull - law.torsion.gamma * at.torsion;
 #endif
-    const struct NAME(touch) touch = NAME(touch)(&law, at, &memory, &sums);
+    const struct NAME(touch) touch = NAME(touch)(&law, &at, &memory, &sums);
 #if PER_PAIR
     const struct NAME(pair) own =
-        NAME(pair_of)(&law.normal, at->delta, *memory.root_mass, *memory.radius, &memory.normal, &sums.own);
+        NAME(pair_of)(&law.normal, at.delta, *memory.root_mass, *memory.radius, &memory.normal, &sums.own);
     const double held = own.stored;
 #else
-    const double elastic = NAME(normal_elastic)(&law.normal, at->delta, &memory.normal, &sums.own);
-    const double held = NAME(normal_energy)(&law.normal, at->delta, elastic);
+    const double elastic = NAME(normal_elastic)(&law.normal, at.delta, &memory.normal, &sums.own);
+    const double held = NAME(normal_energy)(&law.normal, at.delta, elastic);
 #endif
     *f = (struct contact_forces){.normal = -touch.pressing, .elastic_j = held};
 #if FRICTIONAL
@@ -32,7 +32,7 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
 #if ROLLING
     undamped.rolling.lever -= law.rolling.gamma;
 #endif
-    const struct NAME(touch) springs = NAME(touch)(&undamped, at, &memory, &sums);
+    const struct NAME(touch) springs = NAME(touch)(&undamped, &at, &memory, &sums);
 #if MINDLIN
     f->spring_j = 0.5 * own.inv_kt * springs.pull2;
 #else

@@ -13,39 +13,39 @@ LANES_INLINE real NAME(ratio)(real to, real square)
 
 /* The part along the tangent plane of a velocity g of the centres, of which `along` is along n, and of w; gt: that of
  * the centres alone (3D). Open contacts: 0. */
-LANES_INLINE void NAME(tangent)(const struct NAME(touch) * touch, const real *g, real along, const real *w, real *gt,
-                                real *vt)
+LANES_INLINE void NAME(tangent)(const struct NAME(meeting) * at, real_mask active, const real *g, real along,
+                                const real *w, real *gt, real *vt)
 {
-    const real *n = touch->n, arm = touch->arm;
+    const real *n = at->n, arm = at->arm;
 #if DIM == 2
     /* tangent (-n1, n0) */
     (void)along;
     (void)gt;
-    vt[0] = real_where(touch->active, real_fma(g[1], n[0], real_fma(-g[0], n[1], -arm * w[0])));
+    vt[0] = real_where(active, real_fma(g[1], n[0], real_fma(-g[0], n[1], -arm * w[0])));
 #else
     for (int c = 0; c < 3; c++) { /* g + n x w - along n */
         int d = (c + 1) % 3, e = (c + 2) % 3;
         gt[c] = real_fma(-along, n[c], g[c]);
-        vt[c] = real_where(touch->active, real_fma(n[d], arm * w[e], real_fma(-n[e], arm * w[d], gt[c])));
+        vt[c] = real_where(active, real_fma(n[d], arm * w[e], real_fma(-n[e], arm * w[d], gt[c])));
     }
 #endif
 }
 
-/* How contacts go along themselves in a step: the velocity at its end; the way [m], to half a step ahead of the end
+/* How contacts go along themselves in a step: the way [m], to half a step ahead of the end
  * from half a step ahead of its start; the time that goes by; and, of those that were open at its start, the squares of
  * how long and how far they are ahead of where they start. */
 struct NAME(travel) {
-    real vt[SPRINGS], way[SPRINGS], gt[DIM], step, ahead2, start2;
+    real way[SPRINGS], step, ahead2, start2;
     bool fresh; /* some were open */
 };
 
 /* Contacts that were open a step ago, as far as their speed tells, have moved along themselves from the moment on at
  * which they touched: delta/(-u) ago. What they kept from before is nothing. Few sets have such a contact. */
-LANES_INLINE void NAME(start)(const struct NAME(law) * law, real_mask old, real u, real delta,
+LANES_INLINE void NAME(start)(const struct NAME(law) * law, real_mask old, const struct NAME(meeting) * at,
                               const struct NAME(memory) * memory, struct NAME(travel) * t)
 {
     const real half = real_all((scalar)0.5 * law->dt);
-    const real since = delta * real_all(law->unit) / -u, ahead = since - half;
+    const real since = at->delta * real_all(law->unit) / -at->u, ahead = since - half;
     for (int c = 0; c < SPRINGS; c++)
         NAME(forget)(memory->spring[c], memory->rest[c], old);
 #if ROLLING
@@ -56,26 +56,21 @@ LANES_INLINE void NAME(start)(const struct NAME(law) * law, real_mask old, real 
 #endif
     t->step = real_select(old, t->step, since + half);
     t->ahead2 = real_select(old, real_all(0.0), ahead * ahead);
-    t->start2 = real_select(old, real_all(0.0), ahead * ahead * NAME(dot)(t->vt, t->vt));
+    t->start2 = real_select(old, real_all(0.0), ahead * ahead * NAME(dot)(at->vt, at->vt));
 }
 
 LANES_INLINE void NAME(travel)(const struct NAME(law) * law, const struct NAME(meeting) * at,
-                               const struct NAME(touch) * touch, real u, real delta, const struct NAME(memory) * memory,
-                               struct NAME(travel) * t)
+                               const struct NAME(memory) * memory, struct NAME(travel) * t)
 {
     const real half = real_all((scalar)0.5 * law->dt);
-    const real_mask old = real_at_least(delta, -u * real_all(law->dt_units));
-    real lag[SPRINGS], none[DIM];
-    (void)none;
-    NAME(tangent)(touch, at->g, u, at->w, t->gt, t->vt);
-    NAME(tangent)(touch, at->lag, NAME(inner)(at->lag, touch->n), at->lag_w, none, lag);
+    const real_mask old = real_at_least(at->delta, -at->u * real_all(law->dt_units));
     t->step = real_all(law->dt);
     t->ahead2 = t->start2 = real_all(0.0);
     t->fresh = !REAL(mask_all)(old);
     if (t->fresh)
-        NAME(start)(law, old, u, delta, memory, t);
+        NAME(start)(law, old, at, memory, t);
     for (int c = 0; c < SPRINGS; c++)
-        t->way[c] = real_fma(t->step, t->vt[c], half * lag[c]);
+        t->way[c] = real_fma(t->step, at->vt[c], half * at->lag[c]);
 }
 
 #if ROLLING

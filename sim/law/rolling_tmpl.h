@@ -6,6 +6,25 @@
  * q and the slip s as of friction the losses are, of a limited force, s.f + (k s^2 - k dt s.v)/2, f what is left of it;
  * while it is limited, what its dashpot takes counts among them, as with friction. */
 
+/* Velocities of rolling and torsion, and their lags, of contacts that touch. */
+LANES_INLINE void NAME(rolls)(const struct NAME(sides) * of, real_mask active, struct NAME(meeting) * at)
+{
+    at->share = real_where(active, of->share);
+    const real lever = of->radius * at->share;
+    for (int c = 0; c < SPRINGS; c++) {
+        at->rolling[c] = lever * of->turning[c];
+        at->rolling_lag[c] = lever * of->lag_turning[c];
+    }
+#if DIM == 3
+    at->torsion = NAME(dot)(at->rolling, at->n);
+    at->torsion_lag = NAME(dot)(at->rolling_lag, at->n);
+    for (int c = 0; c < 3; c++) {
+        at->rolling[c] = real_fma(-at->torsion, at->n[c], at->rolling[c]);
+        at->rolling_lag[c] = real_fma(-at->torsion_lag, at->n[c], at->rolling_lag[c]);
+    }
+#endif
+}
+
 #if DIM == 3
 struct NAME(twisted) {
     real pull, moved;
@@ -48,12 +67,14 @@ LANES_INLINE real NAME(twist)(const struct NAME(law) * law, real v, real way, re
 #endif
 
 /* Contacts that were open a step ago, as friction has them (struct travel): what their springs start with. */
-LANES_INLINE void NAME(roll_start)(const struct NAME(law) * law, const struct NAME(travel) * t, const real *v, real vo,
-                                   struct NAME(sums) * sums)
+LANES_INLINE void NAME(roll_start)(const struct NAME(law) * law, const struct NAME(travel) * t,
+                                   const struct NAME(meeting) * at, struct NAME(sums) * sums)
 {
-    const real half = real_all(-0.5) * t->ahead2;
+    const real half = real_all(-0.5) * t->ahead2, *v = at->rolling;
     sums->rolling = real_fma(half * real_all(law->rolling.k), NAME(dot)(v, v), sums->rolling);
-    sums->rolling = real_fma(half * real_all(law->torsion.k) * vo, vo, sums->rolling);
+#if DIM == 3
+    sums->rolling = real_fma(half * real_all(law->torsion.k) * at->torsion, at->torsion, sums->rolling);
+#endif
 }
 
 /* First half. */
@@ -63,33 +84,24 @@ LANES_INLINE void NAME(roll)(const struct NAME(law) * law, const struct NAME(mee
 {
     const struct NAME(resistance) *r = &law->rolling;
     struct NAME(rolled) *to = &touch->rolling;
-    real v[SPRINGS], way[SPRINGS], spring[SPRINGS], vo = real_all(0.0), v2 = vo;
-    touch->share = real_where(touch->active, at->share);
-    const real lever = at->radius * touch->share, ahead = real_all((scalar)0.5 * law->dt) * lever;
-    for (int c = 0; c < SPRINGS; c++) {
-        v[c] = lever * at->turning[c];
-        way[c] = real_fma(t->step, v[c], ahead * at->lag_turning[c]);
-    }
+    const real half = real_all((scalar)0.5 * law->dt), *v = at->rolling;
+    real spring[SPRINGS], v2 = real_all(0.0);
+    touch->share = at->share;
 #if DIM == 3
-    const real *n = touch->n, way_o = NAME(dot)(way, n);
-    vo = NAME(dot)(v, n);
-    for (int c = 0; c < 3; c++) {
-        v[c] = real_fma(-vo, n[c], v[c]);
-        way[c] = real_fma(-way_o, n[c], way[c]);
-    }
-    touch->torsion = NAME(twist)(law, vo, way_o, limit, touch->active, memory, sums);
+    const real way = real_fma(t->step, at->torsion, half * at->torsion_lag);
+    touch->torsion = NAME(twist)(law, at->torsion, way, limit, touch->active, memory, sums);
 #endif
     if (t->fresh)
-        NAME(roll_start)(law, t, v, vo, sums);
+        NAME(roll_start)(law, t, at, sums);
     for (int c = 0; c < SPRINGS; c++) {
         spring[c] = real_load(memory->rolling[c]);
-        to->moved[c] = real_all(r->on) * way[c];
+        to->moved[c] = real_all(r->on) * real_fma(t->step, v[c], half * at->rolling_lag[c]);
 #if SINGLE
         to->moved[c] = real_load(memory->rolling_rest[c]) + to->moved[c];
 #endif
     }
 #if DIM == 3
-    NAME(turn)(law, at, n, t->gt, spring, to->moved);
+    NAME(turn)(at, spring, to->moved);
 #endif
     for (int c = 0; c < SPRINGS; c++) {
         const real middle = spring[c] + to->moved[c];

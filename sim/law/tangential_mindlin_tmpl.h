@@ -6,16 +6,16 @@
 /* Test force [D] of contacts that friction holds up to `limit`. pull = T + gamma_t v_t is the test force reversed; a
  * sliding contact keeps `factor` of it. Contacts that are open slide without resistance, so that they lose what their
  * springs hold. */
-LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(meeting) * at,
-                             const struct NAME(travel) * t, real limit, const struct NAME(memory) * memory,
-                             struct NAME(touch) * touch, struct NAME(sums) * sums)
+LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(pair) * pair,
+                             const struct NAME(meeting) * at, const struct NAME(travel) * t, real limit,
+                             const struct NAME(memory) * memory, struct NAME(touch) * touch, struct NAME(sums) * sums)
 {
     const real zero = real_all(0.0), one = real_all(1.0);
-    const struct NAME(pair) *pair = &touch->pair;
+    touch->inv_kt = pair->inv_kt;
     const real gamma_t = pair->gamma_t * real_all(law->damped); /* 0 in a stage without friction */
+    touch->gamma_t = pair->gamma_t;
     const real lever = gamma_t - pair->kt * real_all(law->half);
     real spring[SPRINGS], change[SPRINGS], kept2 = zero;
-    (void)at;
     for (int c = 0; c < SPRINGS; c++) {
         spring[c] = real_load(memory->spring[c]);
         kept2 = real_fma(spring[c], spring[c], kept2);
@@ -25,7 +25,7 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
     touch->stiffness = real_where(touch->active, kept2 * (one - pair->ratio) * pair->held);
     sums->slip2 = real_fma(pair->kt, t->start2, sums->slip2);
 #if DIM == 3 /* in 2D the force is a number along the tangent, so a rotating pair carries it along by itself */
-    NAME(turn)(law, at, touch->n, t->gt, spring, change);
+    NAME(turn)(at, spring, change);
 #endif
     for (int c = 0; c < SPRINGS; c++) {
         real more = real_fma(pair->kt, t->way[c], pair->fall * change[c]);
@@ -40,10 +40,10 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
 #if SINGLE
         middle = spring[c] + middle;
 #endif
-        touch->pull[c] = real_fma(lever, t->vt[c], middle);
+        touch->pull[c] = real_fma(lever, at->vt[c], middle);
     }
-    touch->viscous = gamma_t * NAME(dot)(t->vt, t->vt);
-    touch->power = NAME(dot)(touch->pull, t->vt);
+    touch->viscous = gamma_t * NAME(dot)(at->vt, at->vt);
+    touch->power = NAME(dot)(touch->pull, at->vt);
     touch->pull2 = NAME(dot)(touch->pull, touch->pull);
     real_mask slid = real_greater(real_load(memory->sliding), zero);
     real bound = limit * real_select(slid, real_all(law->mu_d), real_all(law->mu_s));
@@ -59,7 +59,7 @@ LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(tou
                              const struct NAME(memory) * memory, struct NAME(contact_result) * result,
                              struct NAME(sums) * sums)
 {
-    const real gone = real_all(1.0) - touch->factor, q = gone * touch->pair.inv_kt;
+    const real gone = real_all(1.0) - touch->factor, q = gone * touch->inv_kt;
     const real slip = q * touch->pull2;
     (void)law;
     const real slides = real_load(memory->sliding);
@@ -69,7 +69,7 @@ LANES_INLINE void NAME(slip)(const struct NAME(law) * law, const struct NAME(tou
     sums->slip = sums->slip + slip;
     sums->slip2 = real_fma(gone, slip, sums->slip2);
     sums->power = real_fma(gone, touch->power, sums->power);
-    sums->power_t = real_fma(q * touch->pair.gamma_t, touch->power, sums->power_t);
+    sums->power_t = real_fma(q * touch->gamma_t, touch->power, sums->power_t);
     NAME(slip_by)(gone, touch, memory, result);
 }
 

@@ -9,14 +9,13 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
 {
     const real zero = real_all(0.0);
     real spring[SPRINGS], change[SPRINGS];
-    (void)at;
     for (int c = 0; c < SPRINGS; c++) {
         spring[c] = real_load(memory->spring[c]);
         change[c] = zero;
     }
     sums->slip2 = sums->slip2 + t->start2;
 #if DIM == 3 /* in 2D the spring is a number along the tangent, so a rotating pair carries it along by itself */
-    NAME(turn)(law, at, touch->n, t->gt, spring, change);
+    NAME(turn)(at, spring, change);
 #endif
     for (int c = 0; c < SPRINGS; c++) {
         real more = change[c] + t->way[c];
@@ -27,10 +26,10 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(mee
 #if SINGLE
         middle = spring[c] + middle;
 #endif
-        touch->pull[c] = real_fma(real_all(law->kt), middle, real_all(law->lever) * t->vt[c]);
+        touch->pull[c] = real_fma(real_all(law->kt), middle, real_all(law->lever) * at->vt[c]);
     }
-    touch->viscous = NAME(dot)(t->vt, t->vt);
-    touch->power = NAME(dot)(touch->pull, t->vt);
+    touch->viscous = NAME(dot)(at->vt, at->vt);
+    touch->power = NAME(dot)(touch->pull, at->vt);
     touch->pull2 = NAME(dot)(touch->pull, touch->pull);
     real_mask slid = real_greater(real_load(memory->sliding), zero);
     real bound = limit * real_select(slid, real_all(law->mu_d), real_all(law->mu_s));

@@ -29,7 +29,7 @@ static size_t bytes_per_particle(const struct particles *p)
     size_t columns = (size_t)(p->dimension + p->n_rotations) * real;
     /* mixed: and a rest of each; with friction lags */
     size_t views = p->mixed ? (size_t)(4 * p->dimension + 2 * p->n_rotations + frictional) * sizeof(float) : 0;
-    size_t lags = frictional ? columns : 0;
+    size_t lags = frictional ? LAG_COLUMNS(p->dimension, p->mixed) * real : 0;
     return (reals + frictional) * sizeof(double) + record + sums + columns + views + lags;
 }
 

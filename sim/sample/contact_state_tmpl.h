@@ -12,7 +12,7 @@ static void NAME(contact_at)(const struct sample *sample, int l, int k, const st
     const struct contact_list *list = sample_list(sample, l);
     const struct wall *wall = l > 0 ? &sample->walls[l - 1] : NULL;
     const int i = list->i[k], j = list->j[k];
-    struct NAME(meeting) at = {.inverse = 1, .delta = g->overlap};
+    struct NAME(sides) at = {.inverse = 1, .delta = g->overlap};
     double values[HISTORY_COLUMNS] = {0}, pair[PAIR_CONSTANTS];
     void *history[HISTORY_COLUMNS], *pairs[PAIR_CONSTANTS] = {&pair[PAIR_ROOT_MASS], &pair[PAIR_RADIUS]};
     for (int c = 0; c < DIM; c++) {

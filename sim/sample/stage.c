@@ -36,6 +36,9 @@ void sample_set_law(struct sample *sample)
             sample->wall_law[c] = contact_law_constants_of_walls(&sample->scene->stage[sample->stage],
                                                                  sample_axis(sample, c), sample->pairs.model.normal);
         set_scale(sample);
+        sample->particles.springs = sample->law.springs;
+        for (int c = 0; c < sample->particles.dimension; c++)
+            sample->particles.springs = sample->particles.springs || sample->wall_law[c].springs;
         coupling_audit_set_law(sample);
     }
 }
