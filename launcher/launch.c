@@ -164,8 +164,9 @@ static void go_on(struct supervisor *s)
 
 static int refuse_complete(const struct run_folder *folder)
 {
-    say("error: %s/run.h5 is complete already; evaluate it again with: ./shakedown analyze %s", folder->path,
-        folder->path);
+    char *path = report_shell_word(folder->path);
+    say("error: %s/run.h5 is complete already; evaluate it again with: ./shakedown analyze %s", folder->path, path);
+    g_free(path);
     return status_exit_code(STATUS_IO);
 }
 

@@ -57,11 +57,15 @@ void report_record(const struct run_folder *folder)
         say("nothing was recorded in %s", folder->path);
 }
 
-void report_way_on(const struct run_folder *folder)
+char *report_shell_word(const char *path)
 {
     static const char plain[] = G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "/._-+:,=@%";
-    bool is_plain = folder->path[strspn(folder->path, plain)] == '\0';
-    char *path = is_plain ? g_strdup(folder->path) : g_shell_quote(folder->path);
+    return path[strspn(path, plain)] == '\0' ? g_strdup(path) : g_shell_quote(path);
+}
+
+void report_way_on(const struct run_folder *folder)
+{
+    char *path = report_shell_word(folder->path);
     fprintf(stderr, "go on with: ./shakedown run --resume %s\n", path);
     g_free(path);
 }

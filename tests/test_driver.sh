@@ -466,6 +466,12 @@ case_odd_names() {
     shakedown run --resume "$name-one"
     expect_code 5 $?
     expect_text last.out 'is complete already'
+    for command in 'analyze' 'verify' 'repair' 'export --csv'; do
+        # shellcheck disable=SC2086 # words
+        shakedown $command "$name-one"
+        expect_code 0 $?
+    done
+    [ -n "$(ls -A "./$name-one/csv")" ] || fail "nothing exported"
 }
 
 # The copy of a scene can be run again where it lies, with its sample from a checkpoint beside the original.

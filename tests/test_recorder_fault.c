@@ -260,7 +260,7 @@ static void test_full_disk(void **state)
     struct synthetic_options options = synthetic_default;
     (void)state;
     if (system("unshare -rm mount -t tmpfs -o size=64k tmpfs /tmp 2>/dev/null") != 0) {
-        fprintf(stderr, "SKIPPED: a small tmpfs cannot be mounted here (unshare -rm)\n");
+        fprintf(stderr, "SKIPPED: this kernel lets no small tmpfs be mounted (unshare -rm)\n");
         skip();
     }
     options.n_particles = 5000;
