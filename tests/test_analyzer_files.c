@@ -206,6 +206,37 @@ static void unequal_lengths(void **state)
     run_free(&run);
 }
 
+/* In the place of a scalar, `records` bytes of which the first `stored` are in the file: as much as deflation could
+ * stand for the rest. */
+static void claim_records(const char *directory, const char *object, hsize_t records, hsize_t stored)
+{
+    char path[512];
+    const hsize_t start = 0;
+    snprintf(path, sizeof path, "%s/run.h5", directory);
+    signed char *bytes = calloc(stored, 1);
+    const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), properties = H5Pcreate(H5P_DATASET_CREATE);
+    const hid_t space = H5Screate_simple(1, &records, NULL), memory = H5Screate_simple(1, &stored, NULL);
+    assert_non_null(bytes);
+    assert_true(H5Pset_chunk(properties, 1, &stored) >= 0 && H5Ldelete(file, object, H5P_DEFAULT) >= 0);
+    const hid_t id = H5Dcreate2(file, object, H5T_NATIVE_SCHAR, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+    assert_true(H5Sselect_hyperslab(space, H5S_SELECT_SET, &start, NULL, &stored, NULL) >= 0);
+    assert_true(H5Dwrite(id, H5T_NATIVE_SCHAR, memory, space, H5P_DEFAULT, bytes) >= 0);
+    assert_true(H5Dclose(id) >= 0 && H5Sclose(memory) >= 0 && H5Sclose(space) >= 0 && H5Pclose(properties) >= 0);
+    assert_true(H5Fclose(file) >= 0);
+    free(bytes);
+}
+
+/* More than is ever read, though the file may hold it; and more than it can hold. */
+static void too_many_records(void **state)
+{
+    const struct place *place = *state;
+    biaxial_written(place->directory, true, NULL);
+    claim_records(place->directory, "/samples/solid_fraction/value", 100000001, 100000);
+    assert_refused(place->directory, STATUS_FORMAT, "claims 100000001 records; at most 100000000 are read");
+    claim_records(place->directory, "/samples/solid_fraction/value", 100000000, 90000);
+    assert_refused(place->directory, STATUS_FORMAT, "claims more records than the file holds");
+}
+
 static json_t *json_of(const char *directory, const char *name)
 {
     char path[512];
@@ -424,6 +455,7 @@ int main(int argc, char **argv)
         cmocka_unit_test_setup_teardown(truncated, setup, teardown),
         cmocka_unit_test_setup_teardown(wrong_content, setup, teardown),
         cmocka_unit_test_setup_teardown(unequal_lengths, setup, teardown),
+        cmocka_unit_test_setup_teardown(too_many_records, setup, teardown),
         cmocka_unit_test_setup_teardown(biaxial_outputs, setup, teardown),
         cmocka_unit_test_setup_teardown(cyclic_outputs, setup, teardown),
         cmocka_unit_test_setup_teardown(ensemble_statistics, setup, teardown),
