@@ -1,5 +1,8 @@
 /* VTK's XML files: particles_F.vtp (points) and contacts_F.vtp (lines from i to j, or to the point on the wall) for
- * every frame F, and particles.pvd, contacts.pvd, which give them their times; of frames of one time the last. */
+ * every frame F, and particles.pvd, contacts.pvd, which give them their times; of frames of one time the last. Numbers
+ * are base64: bytes as they are would be no XML, and since libexpat's update of 2.5.0-1+deb12u2 ParaView 5.11 refuses
+ * them. */
+#include <glib.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,7 +27,7 @@ struct piece {
     FILE *file;
     int n;
     struct array array[ARRAYS_MAX];
-    uint64_t bytes; /* before the next array */
+    uint64_t characters; /* before the next array */
 };
 
 static void array_add(struct piece *piece, const struct array *array)
@@ -32,8 +35,8 @@ static void array_add(struct piece *piece, const struct array *array)
     fprintf(piece->file,
             "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" offset=\"%" PRIu64
             "\"/>\n",
-            array->integer ? "Int64" : "Float64", array->name, array->width, piece->bytes);
-    piece->bytes += sizeof(uint64_t) + sizeof(double) * (uint64_t)(array->rows * array->width);
+            array->integer ? "Int64" : "Float64", array->name, array->width, piece->characters);
+    piece->characters += (sizeof(uint64_t) + sizeof(double) * (uint64_t)(array->rows * array->width) + 2) / 3 * 4;
     piece->array[piece->n++] = *array;
 }
 
@@ -47,18 +50,22 @@ static void columns_add(struct piece *piece, const struct columns *columns, cons
     }
 }
 
-static void bytes_write(const struct piece *piece)
+/* Each array by itself: its size in bytes, and its values. */
+static void array_write(FILE *file, const struct array *array)
 {
-    for (int k = 0; k < piece->n; k++) {
-        const struct array *array = &piece->array[k];
-        const int64_t values = array->rows * array->width;
-        const uint64_t size = sizeof(double) * (uint64_t)values;
-        (void)fwrite(&size, sizeof size, 1, piece->file); /* export_close finds what failed */
-        for (int64_t v = 0; v < values; v++) {
-            const int64_t integer = array->integer ? (int64_t)array->value[v] : 0;
-            (void)fwrite(array->integer ? (const void *)&integer : &array->value[v], sizeof integer, 1, piece->file);
-        }
+    char text[64];
+    gint state = 0, save = 0;
+    const int64_t values = array->rows * array->width;
+    const uint64_t size = sizeof(double) * (uint64_t)values;
+    size_t n = g_base64_encode_step((const guchar *)&size, sizeof size, FALSE, text, &state, &save);
+    for (int64_t v = 0; v < values; v++) {
+        const int64_t integer = array->integer ? (int64_t)array->value[v] : 0;
+        const void *value = array->integer ? (const void *)&integer : &array->value[v];
+        (void)fwrite(text, 1, n, file); /* export_close finds what failed */
+        n = g_base64_encode_step(value, sizeof integer, FALSE, text, &state, &save);
     }
+    n += g_base64_encode_close(FALSE, text + n, &state, &save);
+    (void)fwrite(text, 1, n, file);
 }
 
 /* Points, and cells of `corners` points each, in order. */
@@ -94,8 +101,9 @@ static void geometry_write(FILE *file, const struct geometry *of)
     fprintf(file, "</Points>\n<%s>\n", of->cell_name);
     array_add(&piece, &(struct array){"connectivity", 1, true, of->connectivity, of->points});
     array_add(&piece, &(struct array){"offsets", 1, true, of->ends, of->cells});
-    fprintf(file, "</%s>\n</Piece></PolyData>\n<AppendedData encoding=\"raw\">\n_", of->cell_name);
-    bytes_write(&piece);
+    fprintf(file, "</%s>\n</Piece></PolyData>\n<AppendedData encoding=\"base64\">\n_", of->cell_name);
+    for (int k = 0; k < piece.n; k++)
+        array_write(file, &piece.array[k]);
     fputs("\n</AppendedData>\n</VTKFile>\n", file);
 }
 
