@@ -1,7 +1,7 @@
 /* VTK's XML files: particles_F.vtp (points) and contacts_F.vtp (lines from i to j, or to the point on the wall) for
  * every frame F, and particles.pvd, contacts.pvd, which give them their times; of frames of one time the last. Numbers
- * are base64: bytes as they are would be no XML, and since libexpat's update of 2.5.0-1+deb12u2 ParaView 5.11 refuses
- * them. */
+ * are base64 within their element: files with appended data are refused by ParaView 5.11 with Debian's updates of
+ * libexpat. */
 #include <glib.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -12,7 +12,6 @@
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the byte order that the files name");
 
 enum { PARTICLES, CONTACTS };
-enum { ARRAYS_MAX = COLUMNS_MAX + 8 };
 
 struct array {
     const char *name;
@@ -22,36 +21,8 @@ struct array {
     int64_t rows;
 };
 
-/* One file under way: its header names the arrays, whose bytes follow in the same order. */
-struct piece {
-    FILE *file;
-    int n;
-    struct array array[ARRAYS_MAX];
-    uint64_t characters; /* before the next array */
-};
-
-static void array_add(struct piece *piece, const struct array *array)
-{
-    fprintf(piece->file,
-            "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" offset=\"%" PRIu64
-            "\"/>\n",
-            array->integer ? "Int64" : "Float64", array->name, array->width, piece->characters);
-    piece->characters += (sizeof(uint64_t) + sizeof(double) * (uint64_t)(array->rows * array->width) + 2) / 3 * 4;
-    piece->array[piece->n++] = *array;
-}
-
-static void columns_add(struct piece *piece, const struct columns *columns, const char *without)
-{
-    for (int k = 0; k < columns->n; k++) {
-        const struct column *column = &columns->column[k];
-        if (strcmp(column->name, without) != 0)
-            array_add(piece,
-                      &(struct array){column->name, column->width, column->integer, column->value, columns->rows});
-    }
-}
-
-/* Each array by itself: its size in bytes, and its values. */
-static void array_write(FILE *file, const struct array *array)
+/* Its size in bytes, and its values. */
+static void numbers_write(FILE *file, const struct array *array)
 {
     char text[64];
     gint state = 0, save = 0;
@@ -68,6 +39,24 @@ static void array_write(FILE *file, const struct array *array)
     (void)fwrite(text, 1, n, file);
 }
 
+static void array_write(FILE *file, const struct array *array)
+{
+    fprintf(file, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"binary\">\n",
+            array->integer ? "Int64" : "Float64", array->name, array->width);
+    numbers_write(file, array);
+    fputs("\n</DataArray>\n", file);
+}
+
+static void columns_write(FILE *file, const struct columns *columns, const char *without)
+{
+    for (int k = 0; k < columns->n; k++) {
+        const struct column *column = &columns->column[k];
+        if (strcmp(column->name, without) != 0)
+            array_write(file,
+                        &(struct array){column->name, column->width, column->integer, column->value, columns->rows});
+    }
+}
+
 /* Points, and cells of `corners` points each, in order. */
 struct geometry {
     int64_t points, cells;
@@ -79,32 +68,28 @@ struct geometry {
     double *connectivity, *ends;
 };
 
-static void data_add(struct piece *piece, const char *tag, const struct columns *columns, const char *without)
+static void data_write(FILE *file, const char *tag, const struct columns *columns, const char *without)
 {
-    fprintf(piece->file, "<%s>\n", tag);
+    fprintf(file, "<%s>\n", tag);
     if (columns)
-        columns_add(piece, columns, without);
-    fprintf(piece->file, "</%s>\n", tag);
+        columns_write(file, columns, without);
+    fprintf(file, "</%s>\n", tag);
 }
 
 static void geometry_write(FILE *file, const struct geometry *of)
 {
-    struct piece piece = {.file = file};
     fprintf(file,
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
             "header_type=\"UInt64\">\n<PolyData><Piece NumberOfPoints=\"%" PRId64 "\" NumberOf%s=\"%" PRId64 "\">\n",
             of->points, of->cell_name, of->cells);
-    data_add(&piece, "PointData", of->point_data, of->without);
-    data_add(&piece, "CellData", of->cell_data, of->without);
+    data_write(file, "PointData", of->point_data, of->without);
+    data_write(file, "CellData", of->cell_data, of->without);
     fputs("<Points>\n", file);
-    array_add(&piece, &(struct array){"Points", 3, false, of->point_m, of->points});
+    array_write(file, &(struct array){"Points", 3, false, of->point_m, of->points});
     fprintf(file, "</Points>\n<%s>\n", of->cell_name);
-    array_add(&piece, &(struct array){"connectivity", 1, true, of->connectivity, of->points});
-    array_add(&piece, &(struct array){"offsets", 1, true, of->ends, of->cells});
-    fprintf(file, "</%s>\n</Piece></PolyData>\n<AppendedData encoding=\"base64\">\n_", of->cell_name);
-    for (int k = 0; k < piece.n; k++)
-        array_write(file, &piece.array[k]);
-    fputs("\n</AppendedData>\n</VTKFile>\n", file);
+    array_write(file, &(struct array){"connectivity", 1, true, of->connectivity, of->points});
+    array_write(file, &(struct array){"offsets", 1, true, of->ends, of->cells});
+    fprintf(file, "</%s>\n</Piece></PolyData>\n</VTKFile>\n", of->cell_name);
 }
 
 static enum status geometry_save(const struct export *export, const char *name, struct geometry *of)
