@@ -182,11 +182,20 @@ static void volumetric_strain(const struct plot *plot)
     fputc('\n', plot->out);
 }
 
+/* The right axis; of a test at constant volume it has a range, too. */
+static void solid_fraction_axis(const struct plot *plot)
+{
+    fprintf(plot->out, "stats 'curves.csv' using (column('solid_fraction')) nooutput\n"
+                       "if (STATS_max - STATS_min < 1e-6) { set y2range [STATS_min - 0.01:STATS_max + 0.01] }\n"
+                       "set y2label 'solid fraction'\nset y2tics\n");
+}
+
 static void fabric(const struct plot *plot)
 {
     abscissa(plot);
+    solid_fraction_axis(plot);
     fprintf(plot->out,
-            "set ylabel 'contacts per particle'\nset y2label 'solid fraction'\nset y2tics\n"
+            "set ylabel 'contacts per particle'\n"
             "plot 'curves.csv' using (%s):(column('coordination')) with lines linewidth 2 linecolor '" BLUE
             "' title 'coordination', \\\n"
             "     '' using (%s):(column('coordination_no_rattlers')) with lines linewidth 2 dashtype (14,7) linecolor "
@@ -288,8 +297,9 @@ static void void_ratio(const struct plot *plot)
 static void whole_path(const struct plot *plot)
 {
     const struct stress_unit unit = stress_unit(plot);
+    solid_fraction_axis(plot);
     fprintf(plot->out,
-            "s = %g\nset xlabel 'time [s]'\nset ylabel 'stress [%s]'\nset y2label 'solid fraction'\nset y2tics\n"
+            "s = %g\nset xlabel 'time [s]'\nset ylabel 'stress [%s]'\n"
             "plot 'curves.csv' using (column('time_s')):(s*column('p_pa')) with lines linewidth 2 linecolor '" BLUE
             "' title 'p', \\\n"
             "     '' using (column('time_s')):(s*column('q_pa')) with lines linewidth 2 linecolor '" GREEN

@@ -54,6 +54,11 @@ within compression.Cc 0.01 1
 within oedometer.M_loading_pa 1e4 1e6
 says_not dilatancy_angle
 
+# The volume is kept by the walls, and drawn: gnuplot has nothing to say to a line without a range.
+run volume "$box" --set 'stages.1.walls.x.mode="coupled"' --set 'stages.1.walls.y.mode="coupled"'
+says 'at constant volume'
+says_not Warning
+
 # The axial stress is the small one: the stress ratio that counts is lateral over axial, above 1 and within what grains
 # of mu = 0.4 reach; q is negative.
 run extension "$box" --set stages.1.walls.z.strain=-0.05
