@@ -2,8 +2,8 @@
  * last stage and of each of its parts, for both precisions and every instruction set that the CPU can run, side by side
  * in one run. The stages before are run once by the program `sim`; the sample stays in the folder. `step` is a whole
  * step with an exchange of its own, rebuilds of lists and ledger, `run` one with the coupling that the scene asks for;
- * `advance` is kick and drift in one pass, as steps have it. A scene with friction is also run with rolling and torsion
- * resistance, in turns with itself. */
+ * `advance` is kick and drift in one pass, as steps have it. A scene with friction is also run with resistance to
+ * rolling, and to rolling and torsion, in turns with itself. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -226,8 +226,8 @@ static enum status start(struct bench *bench, int precision)
     return warm_up(bench);
 }
 
-/* Blocks of either side in turns: what the machine does meanwhile is the same for both. */
-static enum status measure_beside(struct bench *without, struct bench *with, enum instruction_set isa)
+/* Blocks of either side in turns: what the machine does meanwhile is the same for both. part: what `with` has more. */
+static enum status measure_beside(struct bench *without, struct bench *with, enum instruction_set isa, const char *part)
 {
     struct bench *side[2] = {without, with};
     double us[2][TURNS], least[2] = {INFINITY, INFINITY}, ratio[TURNS];
@@ -249,33 +249,34 @@ static enum status measure_beside(struct bench *without, struct bench *with, enu
     const double middle = timing_rank(ratio, TURNS, 0.5), low = timing_rank(ratio, TURNS, 0.25),
                  high = timing_rank(ratio, TURNS, 0.75);
     const char *precision = with->sample->pairs.model.mixed ? "mixed" : "double", *name = instruction_set_name(isa);
-    printf(
-        "%-6s %-9s rolling %9.2f us least, without %.2f: x %.3f; median of turns x %.3f, half of them %.3f to %.3f\n",
-        precision, name, least[1], least[0], least[1] / least[0], middle, low, high);
+    printf("%-6s %-9s %-7s %9.2f us least, without %.2f: x %.3f; median of turns x %.3f, half of them %.3f to %.3f\n",
+           precision, name, part, least[1], least[0], least[1] / least[0], middle, low, high);
     json_array_append_new(without->rows, json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:[f, f]}", "precision", precision,
-                                                   "isa", name, "part", "rolling", "least_us", least[1], "without_us",
+                                                   "isa", name, "part", part, "least_us", least[1], "without_us",
                                                    least[0], "over_without", middle, "half_of_turns", low, high));
     return STATUS_OK;
 }
 
-/* The same scene with resistance to rolling and torsion as stiff as friction, which half of mu limits. */
-static enum status measure_rolling(struct bench *bench)
+/* The same scene with resistance to rolling, and to torsion, as stiff as friction, which half of mu limits. */
+static enum status measure_rolling(struct bench *bench, bool torsion)
 {
     struct bench with = *bench;
-    if (!scene_is_frictional(bench->scene) || scene_resists_rolling(bench->scene))
+    if (!scene_is_frictional(bench->scene) || scene_resists_rolling(bench->scene) ||
+        (torsion && bench->scene->dimension == 2))
         return STATUS_OK;
     with.scene = prepare_scene_copy(bench->scene);
     if (!with.scene)
         return status_fail(STATUS_NO_MEMORY, "out of memory");
     struct scene_material *m = &with.scene->stage[with.scene->n_stages - 1].material;
-    m->mu_rolling = m->mu_torsion = 0.5 * m->mu_s;
+    m->mu_rolling = 0.5 * m->mu_s;
+    m->mu_torsion = torsion ? m->mu_rolling : 0;
     m->kr_n_per_m = m->ko_n_per_m = m->kt_n_per_m;
     m->gamma_r_kg_per_s = m->gamma_o_kg_per_s = m->gamma_t_kg_per_s;
     with.sample = NULL;
     enum status status = start(&with, (int)bench->scene->precision);
     for (int isa = 0; status == STATUS_OK && isa < ISA_COUNT; isa++)
         if (isa != ISA_reference && instruction_set_supported(isa))
-            status = measure_beside(bench, &with, isa);
+            status = measure_beside(bench, &with, isa, torsion ? "torsion" : "rolling");
     sample_free(with.sample);
     prepare_scene_free(with.scene);
     return status;
@@ -292,8 +293,8 @@ static enum status measure_precision(struct bench *bench, int precision)
         else
             printf("*** %s: THIS CPU CANNOT RUN IT, NOT MEASURED ***\n", instruction_set_name(isa));
     }
-    if (status == STATUS_OK)
-        status = measure_rolling(bench);
+    for (int torsion = 0; status == STATUS_OK && torsion < 2; torsion++)
+        status = measure_rolling(bench, torsion);
     sample_free(bench->sample);
     return status;
 }

@@ -36,17 +36,32 @@ bool scene_is_frictional(const struct scene *scene)
     return any;
 }
 
-bool scene_resists_rolling(const struct scene *scene)
+/* The largest coefficients of rolling and torsion of particles and walls in any stage. */
+static void largest_resistance(const struct scene *scene, double *rolling, double *torsion)
 {
-    bool any = false;
+    *rolling = *torsion = 0;
     for (int k = 0; k < scene->n_stages; k++)
         for (int axis = 0; axis < SCENE_AXES; axis++) {
             const struct scene_material *m = &scene->stage[k].material;
             struct scene_material of_walls;
             (void)scene_wall_material(&scene->stage[k], (enum axis)axis, &of_walls);
-            any = any || m->mu_rolling > 0 || m->mu_torsion > 0 || of_walls.mu_rolling > 0 || of_walls.mu_torsion > 0;
+            *rolling = fmax(*rolling, fmax(m->mu_rolling, of_walls.mu_rolling));
+            *torsion = fmax(*torsion, fmax(m->mu_torsion, of_walls.mu_torsion));
         }
-    return any;
+}
+
+bool scene_resists_rolling(const struct scene *scene)
+{
+    double rolling, torsion;
+    largest_resistance(scene, &rolling, &torsion);
+    return rolling > 0 || torsion > 0;
+}
+
+bool scene_resists_torsion(const struct scene *scene)
+{
+    double rolling, torsion;
+    largest_resistance(scene, &rolling, &torsion);
+    return torsion > 0;
 }
 
 bool scene_is_hysteretic(const struct scene *scene)

@@ -272,6 +272,7 @@ bool scene_wall_material(const struct scene_stage *stage, enum axis axis, struct
 /* What the scene needs modelled, over all stages. */
 bool scene_is_frictional(const struct scene *scene);
 bool scene_resists_rolling(const struct scene *scene); /* or torsion */
+bool scene_resists_torsion(const struct scene *scene);
 bool scene_is_hysteretic(const struct scene *scene);
 
 /* Name of an enum contact_law. */

@@ -38,7 +38,10 @@ static const struct law_case {
     {"hertz, friction",
      "law = \"hertz\"; youngs_modulus_pa = 1e8; poisson_ratio = 0.3; mu_s = 0.3;",
      {{"tangential_force", "N", HISTORY_FORCE, 3}, {"contact_radius", "m", HISTORY_CONTACT_RADIUS, 1}, {0}}},
-    {"linear, rolling",
+    {"linear, rolling alone",
+     "kn_n_per_m = 1e5; mu_s = 0.3; kt_n_per_m = 2e4; mu_rolling = 0.2; kr_n_per_m = 2e4;",
+     {{"spring", "m", HISTORY_SPRING, 3}, {"rolling_spring", "m", HISTORY_ROLLING, 3}, {0}}},
+    {"linear, rolling and torsion",
      "kn_n_per_m = 1e5; mu_s = 0.3; kt_n_per_m = 2e4; mu_rolling = 0.2; kr_n_per_m = 2e4; mu_torsion = 0.1; "
      "ko_n_per_m = 2e4;",
      {{"spring", "m", HISTORY_SPRING, 3},
@@ -204,7 +207,7 @@ static void frames_hold_the_state(void **state)
 static void histories_can_be_left_out(void **state)
 {
     char directory[64];
-    struct fixture f = moving(3, false, false, law_cases[5].material);
+    struct fixture f = moving(3, false, false, law_cases[6].material);
     (void)state;
     synthetic_directory(directory);
     record(f.sample, directory);

@@ -18,16 +18,15 @@ enum pair_kind { PAIRS_NEXT, PAIRS_WHOLE, PAIRS_HALVES };
         NAME__(pair, ISA, d, n, f, s), NAME__(wall, ISA, d, n, f, s), NAME__(drift, ISA, d, n, f, s),                  \
             NAME__(kick, ISA, d, n, f, s), NAME__(advance, ISA, d, n, f, s)                                            \
     }
-#define DIMENSION(d, n)                                                                                                \
+#define BOTH(d, n, f)                                                                                                  \
     {                                                                                                                  \
-        {ENTRY(d, n, 0, 0), ENTRY(d, n, 0, 1)}, {ENTRY(d, n, 1, 0), ENTRY(d, n, 1, 1)},                                \
-        {                                                                                                              \
-            ENTRY(d, n, 2, 0), ENTRY(d, n, 2, 1)                                                                       \
-        }                                                                                                              \
+        ENTRY(d, n, f, 0), ENTRY(d, n, f, 1)                                                                           \
     }
-#define LAW(name, NAME_) {DIMENSION(2, name), DIMENSION(3, name)},
-#define TABLE__(isa)     kernel_table_##isa
-#define TABLE_(isa)      TABLE__(isa)
+#define LAW(name, NAME_)                                                                                               \
+    {{BOTH(2, name, 0), BOTH(2, name, 1), BOTH(2, name, 2)},                                                           \
+     {BOTH(3, name, 0), BOTH(3, name, 1), BOTH(3, name, 2), BOTH(3, name, 3)}},
+#define TABLE__(isa) kernel_table_##isa
+#define TABLE_(isa)  TABLE__(isa)
 
-extern const struct kernels TABLE_(ISA)[LAW_COUNT][2][3][2];
-const struct kernels TABLE_(ISA)[LAW_COUNT][2][3][2] = {CONTACT_LAWS(LAW)};
+extern const struct kernels TABLE_(ISA)[LAW_COUNT][2][4][2];
+const struct kernels TABLE_(ISA)[LAW_COUNT][2][4][2] = {CONTACT_LAWS(LAW)};

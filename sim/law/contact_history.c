@@ -27,7 +27,7 @@ static bool has_rolling(const struct contact_model *model)
 
 static bool has_torsion(const struct contact_model *model)
 {
-    return model->rolling && model->dimension == 3;
+    return model->torsion;
 }
 
 struct row {

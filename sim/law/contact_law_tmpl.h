@@ -2,7 +2,8 @@
  * including file defines
  * - ISA: part of the names; lanes_<ISA>.h is included before;
  * - NORMAL, NORMAL_TEXT: the normal law; PER_PAIR: it differs from contact to contact; MINDLIN: so does
- *   friction (all as in for_each_model.h); DIM: 2 or 3; FRICTION, FRICTIONAL, ROLLING;
+ *   friction (all as in for_each_model.h); DIM: 2 or 3; FRICTION, FRICTIONAL, ROLLING,
+ *   TORSION;
  * - SINGLE: 1 for the law in float (docs/theory.md: mixed precision), else 0.
  * Every contact's arithmetic is the same in every lane and instruction set, so forces and histories are the same bits;
  * only the sums of the losses differ in their order. There are no branches: open candidates select zeros.
@@ -117,7 +118,10 @@ LANES_INLINE struct NAME(resistance)
 struct NAME(law) {
     struct NAME(normal_law) normal;
 #if ROLLING
-    struct NAME(resistance) rolling, torsion;
+    struct NAME(resistance) rolling;
+#if TORSION
+    struct NAME(resistance) torsion;
+#endif
 #endif
     scalar gamma_n, mu_s, mu_d, kt, inv_kt, gamma_t, dt;
     scalar inv_gamma_n;                   /* 0 without a dashpot; laws that are not PER_PAIR */
@@ -139,7 +143,9 @@ LANES_INLINE struct NAME(law)
         .normal = NAME(normal_law_of)(law->normal, units),
 #if ROLLING
         .rolling = NAME(resistance_of)(&law->rolling, dt_s, lever_s, units),
+#if TORSION
         .torsion = NAME(resistance_of)(&law->torsion, dt_s, lever_s, units),
+#endif
 #endif
         .gamma_n = (scalar)(law->gamma_n * damped), .mu_s = (scalar)law->mu_s, .mu_d = (scalar)law->mu_d,
         .kt = (scalar)(law->kt / force), .inv_kt = (scalar)(law->inv_kt * force),
@@ -165,7 +171,10 @@ struct NAME(memory) {
     scalar *spring[SPRINGS], *rest[SPRINGS], *sliding; /* sliding: 1 or 0 */
 #endif
 #if ROLLING
-    scalar *rolling[SPRINGS], *rolling_rest[SPRINGS], *torsion, *torsion_rest;
+    scalar *rolling[SPRINGS], *rolling_rest[SPRINGS];
+#endif
+#if TORSION
+    scalar *torsion, *torsion_rest;
 #endif
 };
 
@@ -191,8 +200,10 @@ LANES_INLINE struct NAME(memory) NAME(memory_at)(void *const *pair, void *const 
         memory.rolling[c] = (scalar *)history[HISTORY_ROLLING + c] + slot;
         memory.rolling_rest[c] = SINGLE ? (scalar *)history[HISTORY_ROLLING_REST + c] + slot : NULL;
     }
-    memory.torsion = DIM == 3 ? (scalar *)history[HISTORY_TORSION] + slot : NULL;
-    memory.torsion_rest = DIM == 3 && SINGLE ? (scalar *)history[HISTORY_TORSION_REST] + slot : NULL;
+#endif
+#if TORSION
+    memory.torsion = (scalar *)history[HISTORY_TORSION] + slot;
+    memory.torsion_rest = SINGLE ? (scalar *)history[HISTORY_TORSION_REST] + slot : NULL;
 #endif
     return memory;
 }
@@ -225,7 +236,9 @@ struct NAME(meeting) {
 #endif
 #if ROLLING
     real share, rolling[SPRINGS], rolling_lag[SPRINGS]; /* likewise; share: 0 if they do not touch */
-    real torsion, torsion_lag;                          /* 3D */
+#endif
+#if TORSION
+    real torsion, torsion_lag;
 #endif
 #endif
 };
@@ -253,7 +266,7 @@ struct NAME(touch) {
 #if ROLLING
     real share;
     struct NAME(rolled) rolling;
-#if DIM == 3
+#if TORSION
     real torsion; /* the quasi-force along n */
 #endif
 #endif

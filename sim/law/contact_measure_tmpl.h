@@ -12,7 +12,7 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
     const struct NAME(memory) memory = NAME(memory_at)(pair, history, 0);
     struct NAME(sums) sums = {0};
     const struct NAME(meeting) at = NAME(meet)(&law, of);
-#if ROLLING && DIM == 3 /* before it slides */
+#if TORSION /* before it slides */
     const double torsion = NAME(twist_test)(&law, at.torsion, 0, &memory).pull - law.torsion.gamma * at.torsion;
 #endif
     const struct NAME(touch) touch = NAME(touch)(&law, &at, &memory, &sums);
@@ -42,7 +42,7 @@ static void NAME(contact_look)(const struct contact_law_constants *constants, do
     f->spring_j += 0.5 * law.rolling.inv_k * springs.rolling.pull2;
     for (int c = 0; c < SPRINGS; c++)
         f->rolling[c] = springs.rolling.pull[c];
-#if DIM == 3
+#if TORSION
     f->torsion = torsion;
     f->spring_j += 0.5 * law.torsion.inv_k * torsion * torsion;
 #endif

@@ -31,5 +31,6 @@ struct contact_model contact_model_of(const struct scene *scene)
     struct contact_model model = contact_model_make((int)scene->dimension, normal_law_of(scene),
                                                     scene_is_frictional(scene), scene->precision == PRECISION_MIXED);
     model.rolling = scene_resists_rolling(scene);
+    model.torsion = scene->dimension == 3 && scene_resists_torsion(scene);
     return model;
 }

@@ -10,7 +10,8 @@ struct contact_model {
     int dimension; /* 2 or 3 */
     int normal;    /* enum contact_law */
     bool frictional;
-    bool rolling; /* and with rolling and torsion resistance */
+    bool rolling; /* and with rolling resistance */
+    bool torsion; /* 3D: and with torsion resistance; then rolling, too */
     bool mixed;   /* in float (mixed precision), else in double */
     int traits;   /* of the normal law, enum normal_trait */
 };
@@ -24,17 +25,17 @@ enum normal_trait {
 
 struct contact_model contact_model_of(const struct scene *scene);
 
-/* The same from its parts, with the traits of the law, without rolling resistance. */
+/* The same from its parts, with the traits of the law, without resistance to rolling and torsion. */
 struct contact_model contact_model_make(int dimension, int normal, bool frictional, bool mixed);
 
 /* Constants of a contact, for laws with NORMAL_PER_PAIR: root of the reduced mass [kg^(1/2)], reduced radius a_i
  * a_j/(a_i + a_j), against a wall a_i, in the unit of the slots. */
 enum { PAIR_ROOT_MASS, PAIR_RADIUS, PAIR_CONSTANTS };
 
-/* 0: no friction, 1: of slip, 2: of rolling and torsion, too; as FRICTION of for_each_model.h. */
+/* 0: no friction, 1: of slip, 2: of rolling, too, 3: and of torsion; as FRICTION of for_each_model.h. */
 static inline int contact_model_friction(const struct contact_model *model)
 {
-    return model->frictional + model->rolling;
+    return model->frictional + model->rolling + model->torsion;
 }
 
 /* Components of the tangential spring, of rotations and of moments: 0 without friction, 1 in 2D, 3 in 3D. */

@@ -2,6 +2,7 @@
 #define FRICTION   0
 #define FRICTIONAL 0
 #define ROLLING    0
+#define TORSION    0
 #include "sim/law/for_each_precision.h"
 #undef FRICTION
 #undef FRICTIONAL
@@ -16,5 +17,14 @@
 #define ROLLING  1
 #include "sim/law/for_each_precision.h"
 #undef FRICTION
+#undef TORSION
+
+#if DIM == 3
+#define FRICTION 3
+#define TORSION  1
+#include "sim/law/for_each_precision.h"
+#undef FRICTION
+#undef TORSION
+#endif
 #undef FRICTIONAL
 #undef ROLLING

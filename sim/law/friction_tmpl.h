@@ -51,8 +51,9 @@ LANES_INLINE void NAME(start)(const struct NAME(law) * law, real_mask old, const
 #if ROLLING
     for (int c = 0; c < SPRINGS; c++)
         NAME(forget)(memory->rolling[c], memory->rolling_rest[c], old);
-    if (DIM == 3)
-        NAME(forget)(memory->torsion, memory->torsion_rest, old);
+#endif
+#if TORSION
+    NAME(forget)(memory->torsion, memory->torsion_rest, old);
 #endif
     t->step = real_select(old, t->step, since + half);
     t->ahead2 = real_select(old, real_all(0.0), ahead * ahead);

@@ -16,16 +16,19 @@ LANES_INLINE void NAME(rolls)(const struct NAME(sides) * of, real_mask active, s
         at->rolling_lag[c] = lever * of->lag_turning[c];
     }
 #if DIM == 3
-    at->torsion = NAME(dot)(at->rolling, at->n);
-    at->torsion_lag = NAME(dot)(at->rolling_lag, at->n);
+    const real torsion = NAME(dot)(at->rolling, at->n), torsion_lag = NAME(dot)(at->rolling_lag, at->n);
     for (int c = 0; c < 3; c++) {
-        at->rolling[c] = real_fma(-at->torsion, at->n[c], at->rolling[c]);
-        at->rolling_lag[c] = real_fma(-at->torsion_lag, at->n[c], at->rolling_lag[c]);
+        at->rolling[c] = real_fma(-torsion, at->n[c], at->rolling[c]);
+        at->rolling_lag[c] = real_fma(-torsion_lag, at->n[c], at->rolling_lag[c]);
     }
+#if TORSION
+    at->torsion = torsion;
+    at->torsion_lag = torsion_lag;
+#endif
 #endif
 }
 
-#if DIM == 3
+#if TORSION
 struct NAME(twisted) {
     real pull, moved;
 };
@@ -72,7 +75,7 @@ LANES_INLINE void NAME(roll_start)(const struct NAME(law) * law, const struct NA
 {
     const real half = real_all(-0.5) * t->ahead2, *v = at->rolling;
     sums->rolling = real_fma(half * real_all(law->rolling.k), NAME(dot)(v, v), sums->rolling);
-#if DIM == 3
+#if TORSION
     sums->rolling = real_fma(half * real_all(law->torsion.k) * at->torsion, at->torsion, sums->rolling);
 #endif
 }
@@ -87,7 +90,7 @@ LANES_INLINE void NAME(roll)(const struct NAME(law) * law, const struct NAME(mee
     const real half = real_all((scalar)0.5 * law->dt), *v = at->rolling;
     real spring[SPRINGS], v2 = real_all(0.0);
     touch->share = at->share;
-#if DIM == 3
+#if TORSION
     const real way = real_fma(t->step, at->torsion, half * at->torsion_lag);
     touch->torsion = NAME(twist)(law, at->torsion, way, limit, touch->active, memory, sums);
 #endif
@@ -131,7 +134,7 @@ LANES_INLINE void NAME(roll_slip)(const struct NAME(law) * law, const struct NAM
     NAME(viscous_add)(slides, viscous, &sums->viscous_rolling, &sums->rolling);
     for (int c = 0; c < SPRINGS; c++) {
         real force = from->factor * from->pull[c];
-#if DIM == 3
+#if TORSION
         force = real_fma(touch->torsion, touch->n[c], force);
 #endif
         NAME(remember)

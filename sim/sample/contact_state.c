@@ -13,16 +13,13 @@ typedef void contact_at(const struct sample *sample, int l, int k, const struct 
                         struct contact_forces *f);
 
 /* [law][dimension - 2][friction] */
-static contact_at *const contact_models[LAW_COUNT][2][3] = {
+static contact_at *const contact_models[LAW_COUNT][2][4] = {
 #define MODEL(d, n, f) NAME__(contact_at, ISA, d, n, f, 0)
-#define MODELS(d, n)                                                                                                   \
-    {                                                                                                                  \
-        MODEL(d, n, 0), MODEL(d, n, 1), MODEL(d, n, 2)                                                                 \
-    }
-#define LAW(name, NAME_) {MODELS(2, name), MODELS(3, name)},
+#define LAW(name, NAME_)                                                                                               \
+    {{MODEL(2, name, 0), MODEL(2, name, 1), MODEL(2, name, 2)},                                                        \
+     {MODEL(3, name, 0), MODEL(3, name, 1), MODEL(3, name, 2), MODEL(3, name, 3)}},
     CONTACT_LAWS(LAW)
 #undef LAW
-#undef MODELS
 #undef MODEL
 };
 

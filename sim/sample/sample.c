@@ -146,7 +146,8 @@ void sample_kernel_set(const struct sample *sample, char *text, size_t size)
     const struct contact_model *model = &sample->pairs.model;
     snprintf(text, size, "%s %dd %s %s%s", instruction_set_name(sample->isa), sample->particles.dimension,
              scene_law_name(model->normal),
-             model->rolling      ? "rolling"
+             model->torsion      ? "rolling, torsion"
+             : model->rolling    ? "rolling"
              : model->frictional ? "frictional"
                                  : "frictionless",
              model->mixed ? " mixed" : "");
