@@ -117,6 +117,10 @@ LANES_INLINE f64 f64_rsqrt_seed(f64 x)
 {
     return _mm256_cvtps_pd(_mm_div_ps(_mm_set1_ps(1.0f), _mm_sqrt_ps(_mm256_cvtpd_ps(x))));
 }
+LANES_INLINE f64 f64_fourth_root_seed(f64 x)
+{
+    return _mm256_cvtps_pd(_mm_div_ps(_mm_set1_ps(1.0f), _mm_sqrt_ps(_mm_sqrt_ps(_mm256_cvtpd_ps(x)))));
+}
 LANES_INLINE double f64_sum(f64 x)
 {
     __m128d two = _mm_add_pd(_mm256_castpd256_pd128(x), _mm256_extractf128_pd(x, 1));

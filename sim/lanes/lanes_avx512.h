@@ -116,6 +116,11 @@ LANES_INLINE f64 f64_rsqrt_seed(f64 x)
 {
     return _mm512_cvtps_pd(_mm256_div_ps(_mm256_set1_ps(1.0f), _mm256_sqrt_ps(_mm512_cvtpd_ps(x))));
 }
+LANES_INLINE f64 f64_fourth_root_seed(f64 x)
+{
+    const __m256 root = _mm256_sqrt_ps(_mm256_sqrt_ps(_mm512_cvtpd_ps(x)));
+    return _mm512_cvtps_pd(_mm256_div_ps(_mm256_set1_ps(1.0f), root));
+}
 LANES_INLINE double f64_sum(f64 x)
 {
     __m256d four = _mm256_add_pd(_mm512_castpd512_pd256(x), _mm512_extractf64x4_pd(x, 1));

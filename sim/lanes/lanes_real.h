@@ -53,4 +53,13 @@ LANES_INLINE f64 lanes_rsqrt(f64 x, f64 seed)
     f64 e = f64_fma(-x, y * y, f64_all(1.0)); /* y = (1 - e)^(1/2) / sqrt(x) */
     return f64_fma(f64_fma(f64_all(0.375), e, f64_all(0.5)), e * y, y);
 }
+
+/* x^(-1/4) from a seed in float, likewise: with e = 1 - x y^4, (1 - e)^(-1/4) = 1 + e/4 + 5 e^2/32 ...; what is left
+ * out is below 10^-19. */
+LANES_INLINE f64 lanes_fourth_root_inverse(f64 x, f64 seed)
+{
+    f64 y = seed, y2 = y * y;
+    f64 e = f64_fma(-x * y2, y2, f64_all(1.0));
+    return f64_fma(f64_fma(f64_all(0.15625), e, f64_all(0.25)), e * y, y);
+}
 #endif

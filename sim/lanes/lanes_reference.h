@@ -121,6 +121,10 @@ LANES_INLINE f64 f64_rsqrt_seed(f64 x)
 {
     return 1.0f / sqrtf((float)x);
 }
+LANES_INLINE f64 f64_fourth_root_seed(f64 x)
+{
+    return 1.0f / sqrtf(sqrtf((float)x));
+}
 LANES_INLINE double f64_sum(f64 x)
 {
     return x;

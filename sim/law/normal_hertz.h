@@ -65,28 +65,30 @@ struct NAME(pair) {
     real elastic, gamma_n, stored;
 #if FRICTIONAL
     real kt, inv_kt, gamma_t;
-    real fall;  /* k_t over that of the step before, at most 1 */
-    real ratio; /* the same or its inverse, whichever is less: what the tangential energy keeps of itself */
-    real held;  /* 1/k_t of the step before */
+    real fall; /* k_t over that of the step before, at most 1 */
+    real lost; /* T^2 times half of this is what the change of k_t takes */
 #endif
 };
 
-LANES_INLINE real NAME(inverse_root)(real x)
-{
-#if SINGLE
-    return real_all(1.0) / f32_sqrt(x);
-#else
-    return lanes_rsqrt(x, f64_rsqrt_seed(x));
-#endif
-}
+/* The contact radius ac from its square, 1/ac and sqrt(ac). */
+struct NAME(contact_radius) {
+    real radius, inverse, root;
+};
 
-LANES_INLINE real NAME(positive_root)(real x)
+LANES_INLINE struct NAME(contact_radius) NAME(contact_radius_of)(real square)
 {
+    struct NAME(contact_radius) to;
 #if SINGLE
-    return f32_sqrt(x);
+    to.radius = f32_sqrt(square);
+    to.inverse = real_all(1.0) / to.radius;
+    to.root = f32_sqrt(to.radius);
 #else
-    return x * NAME(inverse_root)(x);
+    const real root = lanes_fourth_root_inverse(square, f64_fourth_root_seed(square));
+    to.inverse = root * root;
+    to.radius = square * to.inverse;
+    to.root = to.radius * root;
 #endif
+    return to;
 }
 
 LANES_INLINE struct NAME(pair)
@@ -99,35 +101,34 @@ LANES_INLINE struct NAME(pair)
     const real_mask active = real_greater(delta, zero);
 #if FRICTIONAL
     const real before = real_load(memory->contact_radius);
-    const real idle = real_select(real_greater(before, zero), before * before, radius * radius);
+    const real_mask touched = real_greater(before, zero);
+    const real idle = real_select(touched, before * before, radius * radius);
 #else
     const real idle = radius * radius;
     (void)memory;
 #endif
-    const real ac2 = real_select(active, radius * delta, idle), inverse = NAME(inverse_root)(ac2);
-    real ac = ac2 * inverse, inv_ac = inverse; /* of which the last is for friction */
-    (void)inv_ac;
-#if FRICTIONAL && SINGLE
-    /* a contact radius that moves by less than its noise stays: else each fall would take a little of the force */
-    const real moved = ac - before, band = real_all(0x1p-18) * before;
-    const real_mask moves = real_greater(moved * moved, band * band);
-    ac = real_select(moves, ac, real_select(active, before, ac));
-    inv_ac = inverse * (real_all(2.0) - ac * inverse); /* a step of Newton's, from at most 2^-18 off */
-#endif
-    pair.elastic = real_all(law->e43) * (ac2 * inverse) * delta;
+    const struct NAME(contact_radius) now = NAME(contact_radius_of)(real_select(active, radius * delta, idle));
+    pair.elastic = real_all(law->e43) * now.radius * delta;
     pair.stored = real_all(law->two_fifths_unit) * pair.elastic * delta;
-    pair.gamma_n = real_all(law->damping) * root_mass * NAME(positive_root)(ac);
+    pair.gamma_n = real_all(law->damping) * root_mass * now.root;
 #if FRICTIONAL
-    const real one = real_all(1.0), up = ac / before, down = before * inv_ac;
-    pair.kt = real_all(law->g8) * ac;
-    pair.inv_kt = real_all(law->inv_g8) * inv_ac;
-    pair.gamma_t = pair.gamma_n * real_all(law->tangent_ratio);
-    pair.fall = real_smaller(up, one); /* new contacts: inf, or 0/0, which becomes 1 */
-    pair.ratio = real_smaller(up, real_smaller(down, one));
+    const real one = real_all(1.0);
+    real ac = now.radius, inverse = now.inverse, ratio = ac / before;
 #if SINGLE
-    pair.ratio = real_select(moves, pair.ratio, one); /* where nothing moves, nothing is lost by rounding */
+    /* a contact radius that moves by less than its noise stays: else each fall would take a little of the force */
+    const real more = ratio - one;
+    const real_mask moves = real_greater(more * more, real_all(0x1p-36));
+    ac = real_select(moves, ac, before);
+    ratio = real_select(moves, ratio, one);
+    inverse = inverse * (real_all(2.0) - ac * inverse); /* a step of Newton's, from at most 2^-18 off */
 #endif
-    pair.held = real_select(real_greater(before, zero), pair.inv_kt * up, zero);
+    ratio = real_select(touched, ratio, one);
+    pair.kt = real_all(law->g8) * ac;
+    pair.inv_kt = real_all(law->inv_g8) * inverse;
+    pair.gamma_t = pair.gamma_n * real_all(law->tangent_ratio);
+    pair.fall = real_smaller(ratio, one);
+    const real held = pair.inv_kt * ratio; /* 1/k_t of the step before */
+    pair.lost = held - real_smaller(held * ratio, pair.inv_kt);
     real_store(memory->contact_radius, real_where(active, ac));
 #endif
     return pair;

@@ -10,7 +10,7 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(pai
                              const struct NAME(meeting) * at, const struct NAME(travel) * t, real limit,
                              const struct NAME(memory) * memory, struct NAME(touch) * touch, struct NAME(sums) * sums)
 {
-    const real zero = real_all(0.0), one = real_all(1.0);
+    const real zero = real_all(0.0);
     touch->inv_kt = pair->inv_kt;
     const real gamma_t = pair->gamma_t * real_all(law->damped); /* 0 in a stage without friction */
     touch->gamma_t = pair->gamma_t;
@@ -22,7 +22,7 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(pai
         change[c] = zero;
     }
     /* |T|^2/(2 k_t) of the step before, less what of it is left: both with the k_t of either side */
-    touch->stiffness = real_where(touch->active, kept2 * (one - pair->ratio) * pair->held);
+    touch->stiffness = real_where(touch->active, kept2 * pair->lost);
     sums->slip2 = real_fma(pair->kt, t->start2, sums->slip2);
 #if DIM == 3 /* in 2D the force is a number along the tangent, so a rotating pair carries it along by itself */
     NAME(turn)(at, spring, change);
@@ -30,7 +30,7 @@ LANES_INLINE void NAME(test)(const struct NAME(law) * law, const struct NAME(pai
     for (int c = 0; c < SPRINGS; c++) {
         real more = real_fma(pair->kt, t->way[c], pair->fall * change[c]);
 #if SINGLE
-        touch->moved[c] = real_fma(pair->fall - one, spring[c], real_load(memory->rest[c]) + more);
+        touch->moved[c] = real_fma(pair->fall - real_all(1.0), spring[c], real_load(memory->rest[c]) + more);
 #else
         touch->moved[c] = real_fma(pair->fall, spring[c], more);
 #endif
