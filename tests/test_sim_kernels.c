@@ -253,15 +253,12 @@ static void guard_particles(struct particles *p, guard_each *each)
     }
     const size_t real = p->mixed ? sizeof(float) : sizeof(double), rows = (size_t)p->n_padded;
     for (int c = 0; c < 3; c++) {
-        each(p->view_u[c], sizeof(int32_t) * rows, sizeof(int32_t) * (rows + ARRAY_PADDING));
-        each(p->view_v[c], real * rows, real * (rows + ARRAY_PADDING));
-        each(p->view_omega[c], real * rows, real * (rows + ARRAY_PADDING));
-        each(p->view_lag[c], real * rows, real * (rows + ARRAY_PADDING));
-        each(p->view_lag[3 + c], real * rows, real * (rows + ARRAY_PADDING));
         guard_floats(p->u_rest[c], p->count, each);
         guard_floats(p->v_rest[c], p->count, each);
         guard_floats(p->omega_rest[c], p->count, each);
     }
+    const size_t views = real * particles_view_at(p, p->n_padded);
+    each(p->view, views, views + real * ARRAY_PADDING);
     size_t size = particles_force_size(p),
            record = sizeof(double) * RECORD_STRIDE(p->dimension, p->n_rotations > 0, p->mixed);
     each(p->record, record * rows, record * (rows + ARRAY_PADDING));
@@ -307,6 +304,14 @@ static void lists_compare(struct contact_list *a, struct contact_list *b)
         same_bits(history_field(c)->name, a->history[c], b->history[c], a->count);
 }
 
+/* Columns in blocks; NULL: none. */
+static void same_column(const void *a, const void *b, size_t size, int columns, int count)
+{
+    for (int i = 0; a && i < count; i++)
+        assert_memory_equal((const char *)a + size * COLUMN_AT(columns, i),
+                            (const char *)b + size * COLUMN_AT(columns, i), size);
+}
+
 /* The sums of forces and moments but for those of the padding, which may differ in the sign of zero. */
 static void forces_compare(const struct particles *a, const struct particles *b)
 {
@@ -315,8 +320,9 @@ static void forces_compare(const struct particles *a, const struct particles *b)
     const size_t real = a->mixed ? sizeof(float) : sizeof(double);
     assert_memory_equal(a->force, b->force, row * (size_t)a->count);
     for (int c = 0; c < a->dimension + a->n_rotations; c++) {
-        size_t at = columns + real * (size_t)(c * a->n_padded);
-        assert_memory_equal((char *)a->force + at, (char *)b->force + at, real * (size_t)a->count);
+        size_t at = columns + real * (size_t)(c * PARTICLES_BLOCK);
+        same_column((char *)a->force + at, (char *)b->force + at, real, SUMS_COLUMNS(a->dimension, a->n_rotations > 0),
+                    a->count);
     }
 }
 
@@ -330,17 +336,18 @@ static void same_memory(const void *a, const void *b, size_t size)
 static void motion_compare(const struct particles *a, const struct particles *b)
 {
     const size_t real = a->mixed ? sizeof(float) : sizeof(double), count = (size_t)a->count;
+    const int views = VIEW_COLUMNS(a->dimension, a->n_rotations > 0, a->mixed);
     for (int c = 0; c < 3; c++) {
         if (!a->mixed) {
             same_bits("x", a->x[c], b->x[c], a->count);
             same_bits("v", a->v[c], b->v[c], a->count);
             same_bits("omega", a->omega[c], b->omega[c], a->count);
         }
-        same_memory(a->view_u[c], b->view_u[c], count * sizeof(int32_t));
-        same_memory(a->view_v[c], b->view_v[c], count * real);
-        same_memory(a->view_omega[c], b->view_omega[c], count * real);
-        same_memory(a->view_lag[c], b->view_lag[c], count * real);
-        same_memory(a->view_lag[3 + c], b->view_lag[3 + c], count * real);
+        same_column(a->view_u[c], b->view_u[c], real, views, a->count);
+        same_column(a->view_v[c], b->view_v[c], real, views, a->count);
+        same_column(a->view_omega[c], b->view_omega[c], real, views, a->count);
+        same_column(a->view_lag[c], b->view_lag[c], real, views, a->count);
+        same_column(a->view_lag[3 + c], b->view_lag[3 + c], real, views, a->count);
         same_memory(a->u_rest[c], b->u_rest[c], count * sizeof(float));
         same_memory(a->v_rest[c], b->v_rest[c], count * sizeof(float));
         same_memory(a->omega_rest[c], b->omega_rest[c], count * sizeof(float));

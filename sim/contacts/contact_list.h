@@ -13,7 +13,7 @@
 
 /* What kernels take at a time: a set, of two halves; and what a range of a list is made of, a span of particles, which
  * is wide in small samples in 2D. */
-enum { SET_WIDTH = 16, HALF_WIDTH = 8, SPAN_WIDTH = 1024, WIDE_SPAN = 2048 };
+enum { SET_WIDTH = PARTICLES_BLOCK, HALF_WIDTH = 8, SPAN_WIDTH = 1024, WIDE_SPAN = 2048 };
 
 /* Particles first ... last - 1, in whole sets, and the sets that are theirs: those of neighbours in the order, one
  * after the other, if there are any, from set `next` on; from `whole` on others of SET_WIDTH particles side by side;

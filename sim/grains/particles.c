@@ -53,6 +53,29 @@ static enum status rests_init(struct particles *p)
     return STATUS_OK;
 }
 
+size_t particles_view_at(const struct particles *p, int i)
+{
+    return COLUMN_AT(VIEW_COLUMNS(p->dimension, frictional(p), p->mixed), i);
+}
+
+/* The columns' places, one after the other. */
+static enum status views_init(struct particles *p)
+{
+    const size_t real = p->mixed ? sizeof(float) : sizeof(double), columns = particles_view_at(p, PARTICLES_BLOCK);
+    TRY(array_resize(&p->view, real, columns / PARTICLES_BLOCK * (size_t)p->n_padded, 0));
+    char *next = p->view;
+    for (int c = 0; p->mixed && c < p->dimension; c++, next += PARTICLES_BLOCK * real)
+        p->view_u[c] = (int32_t *)(void *)next;
+    for (int c = 0; c < p->dimension; c++, next += PARTICLES_BLOCK * real)
+        p->view_v[c] = next;
+    for (int c = 0; c < p->n_rotations; c++, next += PARTICLES_BLOCK * real)
+        p->view_omega[c] = next;
+    for (int c = 0; frictional(p) && c < LAG_COLUMNS(p->dimension, p->mixed); c++, next += PARTICLES_BLOCK * real)
+        p->view_lag[c] = next;
+    p->view_radius = frictional(p) ? next : NULL;
+    return STATUS_OK;
+}
+
 static enum status records_init(struct particles *p)
 {
     const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), p->mixed);
@@ -61,14 +84,7 @@ static enum status records_init(struct particles *p)
     p->n_rows = p->n_padded;
     TRY(array_resize(&p->record, stride * sizeof(double), (size_t)p->n_padded, 0));
     TRY(array_resize(&p->force, 1, particles_force_size(p), 0));
-    for (int c = 0; p->mixed && c < p->dimension; c++)
-        TRY(array_resize(&p->view_u[c], sizeof(int32_t), (size_t)p->n_padded, 0));
-    for (int c = 0; c < p->dimension; c++)
-        TRY(array_resize(&p->view_v[c], real, (size_t)p->n_padded, 0));
-    for (int c = 0; c < p->n_rotations; c++)
-        TRY(array_resize(&p->view_omega[c], real, (size_t)p->n_padded, 0));
-    for (int c = 0; frictional(p) && c < LAG_COLUMNS(p->dimension, p->mixed); c++)
-        TRY(array_resize(&p->view_lag[c], real, (size_t)p->n_padded, 0));
+    TRY(views_init(p));
     TRY(rests_init(p));
     for (int k = 0; !p->mixed && k < ARRAY_PADDING; k++) /* no two behind the last particle at one place */
         p->x[0][p->count + k] = p->x_list[0][p->count + k] = -1e6 * (k + 1);
@@ -76,7 +92,6 @@ static enum status records_init(struct particles *p)
         pad_row(p, particles_spare_padding(p, k));
     TRY(array_resize(&p->view_inv_mass, real, (size_t)p->count, 0));
     TRY(array_resize(&p->view_minus_lever, real, (size_t)p->count, 0));
-    TRY(array_resize(&p->view_radius, real, (size_t)p->count, 0));
     particles_set_views(p, 0);
     return STATUS_OK;
 }
@@ -203,11 +218,6 @@ void particles_free(struct particles *p)
         free(p->omega[c]);
         free(p->alpha[c]);
         free(p->x_list[c]);
-        free(p->view_u[c]);
-        free(p->view_v[c]);
-        free(p->view_omega[c]);
-        free(p->view_lag[c]);
-        free(p->view_lag[3 + c]);
         free(p->u_rest[c]);
         free(p->v_rest[c]);
         free(p->omega_rest[c]);
@@ -216,7 +226,7 @@ void particles_free(struct particles *p)
     free(p->slot);
     free(p->view_inv_mass);
     free(p->view_minus_lever);
-    free(p->view_radius);
+    free(p->view);
     free(p->record);
     free(p->force);
     free(p->radius);
@@ -226,12 +236,12 @@ void particles_free(struct particles *p)
     memset(p, 0, sizeof *p);
 }
 
-static void view(const struct particles *p, void *array, int i, double value)
+static void view(const struct particles *p, void *array, size_t at, double value)
 {
     if (p->mixed)
-        ((float *)array)[i] = (float)value;
+        ((float *)array)[at] = (float)value;
     else
-        ((double *)array)[i] = value;
+        ((double *)array)[at] = value;
 }
 
 static double power_of_2(double value)
@@ -265,10 +275,11 @@ void particles_set_views(struct particles *p, double skin)
     (void)frexp(skin > 0 ? skin : 1, &exponent);
     p->quantum = ldexp(1, exponent - 29);
     for (int i = 0; i < p->count; i++) {
-        view(p, p->view_inv_mass, i, p->inv_mass[i] * per_force);
-        view(p, p->view_radius, i, p->radius[i]);
-        if (p->n_rotations)
-            view(p, p->view_minus_lever, i, -p->radius[i] * p->inv_inertia[i] * per_force);
+        view(p, p->view_inv_mass, (size_t)i, p->inv_mass[i] * per_force);
+        if (!frictional(p))
+            continue;
+        view(p, p->view_radius, particles_view_at(p, i), p->radius[i]);
+        view(p, p->view_minus_lever, (size_t)i, -p->radius[i] * p->inv_inertia[i] * per_force);
     }
 }
 
@@ -278,7 +289,8 @@ static void set_home(struct particles *p)
     const size_t stride = RECORD_STRIDE(p->dimension, frictional(p), true);
     const size_t bytes = (size_t)p->dimension * sizeof(int32_t);
     for (int c = 0; p->mixed && c < p->dimension; c++) {
-        memset(p->view_u[c], 0, (size_t)p->count * sizeof(int32_t));
+        for (int i = 0; i < p->count; i++)
+            p->view_u[c][particles_view_at(p, i)] = 0;
         memset(p->u_rest[c], 0, (size_t)p->count * sizeof(float));
     }
     for (int i = 0; p->mixed && i < p->count; i++)
@@ -294,46 +306,48 @@ void particles_mark_listed(struct particles *p, double skin)
 }
 
 /* The nearest float in units, and what it leaves. */
-static void split(const double *values, int count, double unit, float *nearest, float *rest)
+static void split(const struct particles *p, const double *values, float *nearest, float *rest)
 {
-    for (int i = 0; i < count; i++) {
-        const double value = values[i] / unit;
-        nearest[i] = (float)value;
-        rest[i] = (float)(value - (double)nearest[i]);
+    for (int i = 0; i < p->count; i++) {
+        const double value = values[i] / p->speed_unit;
+        const float near = (float)value;
+        nearest[particles_view_at(p, i)] = near;
+        rest[i] = (float)(value - (double)near);
     }
 }
 
 void particles_import_state(struct particles *p)
 {
     for (int c = 0; p->mixed && c < p->dimension; c++) {
-        split(p->v[c], p->count, p->speed_unit, p->view_v[c], p->v_rest[c]);
+        split(p, p->v[c], p->view_v[c], p->v_rest[c]);
         for (int i = 0; i < p->count; i++) {
             double u = (p->x[c][i] - p->x_list[c][i]) / p->quantum, whole = nearbyint(u);
-            p->view_u[c][i] = (int32_t)whole;
+            p->view_u[c][particles_view_at(p, i)] = (int32_t)whole;
             p->u_rest[c][i] = (float)(u - whole);
         }
     }
     for (int c = 0; p->mixed && c < p->n_rotations; c++)
-        split(p->omega[c], p->count, p->speed_unit, p->view_omega[c], p->omega_rest[c]);
+        split(p, p->omega[c], p->view_omega[c], p->omega_rest[c]);
 }
 
 void particles_export_positions(struct particles *p)
 {
     for (int c = 0; p->mixed && c < p->dimension; c++)
         for (int i = 0; i < p->count; i++)
-            p->x[c][i] = p->x_list[c][i] + p->quantum * ((double)p->view_u[c][i] + (double)p->u_rest[c][i]);
+            p->x[c][i] = p->x_list[c][i] +
+                         p->quantum * ((double)p->view_u[c][particles_view_at(p, i)] + (double)p->u_rest[c][i]);
 }
 
 double particles_velocity(const struct particles *p, int c, int i)
 {
-    return p->mixed ? p->speed_unit * (double)((const float *)p->view_v[c])[i] : p->v[c][i];
+    return p->mixed ? p->speed_unit * (double)((const float *)p->view_v[c])[particles_view_at(p, i)] : p->v[c][i];
 }
 
 double particles_moved2_m2(const struct particles *p, int i)
 {
     double moved2 = 0;
     for (int c = 0; c < p->dimension; c++) {
-        double moved = p->mixed ? p->quantum * p->view_u[c][i] : p->x[c][i] - p->x_list[c][i];
+        double moved = p->mixed ? p->quantum * p->view_u[c][particles_view_at(p, i)] : p->x[c][i] - p->x_list[c][i];
         moved2 += moved * moved;
     }
     return moved2;

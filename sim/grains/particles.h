@@ -40,7 +40,8 @@ struct particles {
      * omega* + omega_rest of the middle of the last step, with u and the predicted v* and omega* of the views: */
     float *u_rest[3], *v_rest[3], *omega_rest[3]; /* [count] quanta, speed_unit, speed_unit/m */
     /* As the contacts have them, double or float: */
-    void *view_v[3]; /* [n_padded] predicted velocities, made by drift */
+    void *view;      /* the columns of the views, [n_padded] each, in blocks: below */
+    void *view_v[3]; /* predicted velocities, made by drift */
     void *view_omega[3];
     /* With friction: what the mean of the predicted velocities at both ends of a step is short of that of the middle,
      * v(k+1/2) = (v*(k) + v*(k+1) + lag)/2; so contacts follow the particles exactly. Those of velocities, and then of
@@ -48,8 +49,9 @@ struct particles {
      * left to v* and omega*, whose own error is the lag of the next step. */
     void *view_lag[6];
     bool springs;       /* contacts have springs, for whose sake v* makes up for what pairs leave out */
-    int32_t *view_u[3]; /* [n_padded] mixed: u; made by drift */
-    void *view_inv_mass, *view_minus_lever, *view_radius; /* [count] minus_lever: -a/I */
+    int32_t *view_u[3]; /* mixed: u; made by drift */
+    void *view_radius;  /* with friction */
+    void *view_inv_mass, *view_minus_lever; /* plain arrays [count]; minus_lever: -a/I */
 };
 
 /* Records, in doubles. 2D: [x0 x1 v0 v1], with friction [omega lag0 lag1 lag_omega]; 3D: [x0 x1 x2 lag0][v0 v1 v2
@@ -57,8 +59,8 @@ struct particles {
  * (position: x_list + u quantum) and floats: 2D [u0 u1 v0 v1], with friction [omega lag0 lag1 lag_omega]; 3D [u0 u1 u2
  * v0 v1 v2 omega0 omega1], with friction [omega2 lag0 lag1 lag2] of pairs, and a block of air. Sums, double
  * or float: first a row for each particle, 2D [f0 f1], with friction [f0 f1 moment -]; 3D [f0 f1 f2 -], with friction
- * [moment0 moment1 moment2 -]. Behind the n_rows rows a column of n_padded for each component of force and moment, for
- * sums over particles side by side, which the kernel of the pairs starts anew. Torque = -a moment. */
+ * [moment0 moment1 moment2 -]. Behind the n_rows rows a column of n_padded for each component of force and moment, in
+ * blocks, for sums over particles side by side, which the kernel of the pairs starts anew. Torque = -a moment. */
 #define RECORD_STRIDE(dimension, frictional, mixed)                                                                    \
     (((dimension) == 2 ? 4 : 8) * ((frictional) ? 2 : 1) / ((mixed) ? 2 : 1))
 #define SUMS_BYTES(dimension, frictional, mixed)                                                                       \
@@ -66,7 +68,18 @@ struct particles {
 #define FORCE_MOMENT(dimension) ((dimension) == 2 ? 2 : 4)
 /* Columns of view_lag. */
 #define LAG_COLUMNS(dimension, mixed) ((dimension) == 3 && !(mixed) ? 6 : 3)
-/* Where the columns start, in bytes. */
+/* Columns in blocks: PARTICLES_BLOCK members of the first, then as many of the second, and so on, and then the next
+ * members of the first: who goes over all columns at once reads one stream of memory. The CPU sees only some twenty
+ * streams coming. Member i of a column is COLUMN_AT(columns, i) behind its first. */
+enum { PARTICLES_BLOCK = 16 };
+#define COLUMN_AT(columns, i)                                                                                          \
+    ((size_t)(i) / PARTICLES_BLOCK * (PARTICLES_BLOCK * (size_t)(columns)) + (size_t)(i) % PARTICLES_BLOCK)
+/* How many columns views and sums have. */
+#define VIEW_COLUMNS(dimension, frictional, mixed)                                                                     \
+    ((dimension) * ((mixed) ? 2 : 1) +                                                                                 \
+     ((frictional) ? ((dimension) == 2 ? 1 : 3) + LAG_COLUMNS(dimension, mixed) + 1 : 0))
+#define SUMS_COLUMNS(dimension, frictional) ((dimension) + ((frictional) ? ((dimension) == 2 ? 1 : 3) : 0))
+/* Where the columns of sums start, in bytes. */
 #define PARTICLES_COLUMNS_OFFSET(rows, dimension, frictional, mixed)                                                   \
     ((size_t)(rows)*SUMS_BYTES(dimension, frictional, mixed))
 
@@ -112,6 +125,9 @@ double particles_velocity(const struct particles *particles, int c, int i);
 
 /* Square of how far particle i is from where the lists were built [m^2]. */
 double particles_moved2_m2(const struct particles *particles, int i);
+
+/* Where member i of a column of the views is, in members from its first. */
+size_t particles_view_at(const struct particles *particles, int i);
 
 /* Single: the units of velocity and force, from the mean radius and mass and a time of the sample, its time step. To be
  * called before there are views and histories. */

@@ -1,5 +1,15 @@
 /* Pairs and walls: from the particles' records to forces and their sums; parameters as of contact_law_tmpl.h. */
 
+/* Where particle i stands in a column of the views, and of the sums. */
+LANES_INLINE size_t NAME(view_at)(size_t i)
+{
+    return COLUMN_AT(VIEW_COLUMNS(DIM, FRICTIONAL, SINGLE), i);
+}
+LANES_INLINE size_t NAME(sum_at)(size_t i)
+{
+    return COLUMN_AT(SUMS_COLUMNS(DIM, FRICTIONAL), i);
+}
+
 /* Records of LANES particles: position, velocity, rotation, and lags (particles.h). Single: positions are those of the
  * lists plus so many quanta, integers in a float's place. */
 struct NAME(other) {
@@ -84,9 +94,8 @@ struct NAME(seats) {
     bool together;        /* a constant */
 };
 
-LANES_INLINE real NAME(load_at)(const void *array, const struct NAME(seats) * at)
+LANES_INLINE real NAME(load_at)(const scalar *values, const struct NAME(seats) * at)
 {
-    const scalar *values = array;
 #if DIM == 2 && LANES > 8
     if (!at->together)
         return REAL(load_halves)(values + at->first, values + at->second);
@@ -106,19 +115,41 @@ LANES_INLINE void NAME(subtract_at)(scalar *sums, const struct NAME(seats) * at,
     real_store(sums + at->first, real_load(sums + at->first) - x);
 }
 
-LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, const struct NAME(seats) * at)
+/* Where they stand in a column of the views. */
+LANES_INLINE struct NAME(seats) NAME(view_seats)(const struct NAME(seats) * at)
+{
+    return (struct NAME(seats)){NAME(view_at)(at->first), NAME(view_at)(at->second), at->together};
+}
+
+/* A column of the views: of those who stand there, or of those right behind them. */
+LANES_INLINE real NAME(view)(const void *column, const struct NAME(seats) * at, const struct NAME(seats) * next)
+{
+    const real here = NAME(load_at)(column, at);
+    return next ? REAL(behind)(here, real_load((const scalar *)column + next->first)) : here;
+}
+
+/* LANES particles that stand side by side, or, `behind`, those right behind them. */
+LANES_INLINE struct NAME(other) NAME(beside)(const struct particles *p, const struct NAME(seats) * seats, bool behind)
 {
     struct NAME(other) to = {0};
+    const struct NAME(seats) beyond = {.first = seats->first + LANES, .together = true};
+    const struct NAME(seats) view = NAME(view_seats)(seats), view_beyond = NAME(view_seats)(&beyond);
+    const struct NAME(seats) *at = &view, *next = behind ? &view_beyond : NULL;
     for (int c = 0; c < DIM; c++) {
-        to.x[c] = NAME(load_at)(SINGLE ? (const void *)p->view_u[c] : p->x[c], at);
-        to.v[c] = NAME(load_at)(p->view_v[c], at);
+#if SINGLE
+        to.x[c] = NAME(view)(p->view_u[c], at, next);
+#else
+        const struct NAME(seats) plain = {seats->first + behind, seats->second + behind, seats->together};
+        to.x[c] = NAME(load_at)(p->x[c], &plain);
+#endif
+        to.v[c] = NAME(view)(p->view_v[c], at, next);
     }
 #if FRICTIONAL
     real lags[6];
     for (int c = 0; c < LAG_COLUMNS(DIM, SINGLE); c++)
-        lags[c] = NAME(load_at)(p->view_lag[c], at);
+        lags[c] = NAME(view)(p->view_lag[c], at, next);
     for (int c = 0; c < SPRINGS; c++)
-        to.omega[c] = NAME(load_at)(p->view_omega[c], at);
+        to.omega[c] = NAME(view)(p->view_omega[c], at, next);
     NAME(lags_of)(lags, &to);
 #endif
     return to;
@@ -132,7 +163,7 @@ struct NAME(range) {
     scalar unit, per_unit;
     size_t first, last; /* sets */
     void *force;
-    scalar *own; /* column of force 0, n_padded from one to the next */
+    scalar *own; /* column of force 0 */
 };
 
 /* The particles i of a set from its slot l on. */
@@ -154,11 +185,11 @@ LANES_INLINE struct NAME(sides) NAME(approach)(const struct NAME(range) * r, enu
     const struct contact_slots *slots = &r->slots;
     struct NAME(sides) at;
     const size_t k = set * SET_WIDTH + l;
-    const struct NAME(seats) seats = NAME(seats)(r, kind, set, l),
-                             behind = {.first = seats.first + 1, .together = true};
+    const struct NAME(seats) seats = NAME(seats)(r, kind, set, l);
     at.inverse = real_load((const scalar *)slots->reach + k);
-    const struct NAME(other) i = NAME(beside)(p, &seats),
-                             j = kind == PAIRS_NEXT ? NAME(beside)(p, &behind) : NAME(other)(p, slots->partner + k);
+    const struct NAME(other) i = NAME(beside)(p, &seats, false), j = kind == PAIRS_NEXT
+                                                                         ? NAME(beside)(p, &seats, true)
+                                                                         : NAME(other)(p, slots->partner + k);
 #if SINGLE
     /* d = D + u_i - u_j in quanta, D at the last build; reach^2 - d^2 = (reach^2 - D^2) - (d + D)(d - D), of which
      * nothing is a difference of large numbers */
@@ -177,7 +208,8 @@ LANES_INLINE struct NAME(sides) NAME(approach)(const struct NAME(range) * r, enu
     for (int c = 0; c < DIM; c++)
         at.g[c] = i.v[c] - j.v[c];
 #if FRICTIONAL
-    real a_i = NAME(load_at)(p->view_radius, &seats), a_j = real_fma(real_all(r->unit), at.inverse, -a_i);
+    const struct NAME(seats) view = NAME(view_seats)(&seats);
+    real a_i = NAME(load_at)(p->view_radius, &view), a_j = real_fma(real_all(r->unit), at.inverse, -a_i);
 #if ROLLING
     at.radius = a_i;
     at.share = a_j * real_all(r->per_unit); /* over the reach, which `root` divides by */
@@ -266,13 +298,14 @@ LANES_INLINE void NAME(add_rows)(void *force, const uint32_t *row, const struct 
 LANES_INLINE void NAME(add_pair)(const struct NAME(range) * r, enum pair_kind kind, size_t set, size_t l,
                                  const struct NAME(contact_result) * result, struct NAME(contact_result) * before)
 {
-    const int rows = r->p->n_padded;
-    const struct NAME(seats) seats = NAME(seats)(r, kind, set, l);
+    const struct NAME(seats) particles = NAME(seats)(r, kind, set, l);
+    const struct NAME(seats)
+        seats = {NAME(sum_at)(particles.first), NAME(sum_at)(particles.second), particles.together};
     const bool next = kind == PAIRS_NEXT;
     scalar *to = r->own;
     if (!next)
         NAME(add_rows)(r->force, r->slots.partner + set * SET_WIDTH + l, result);
-    for (int c = 0; c < DIM; c++, to += rows)
+    for (int c = 0; c < DIM; c++, to += PARTICLES_BLOCK)
         if (next)
             real_store(to + seats.first, REAL(shifted)(before->force[c], result->force[c]) - result->force[c]);
         else
@@ -283,7 +316,7 @@ LANES_INLINE void NAME(add_pair)(const struct NAME(range) * r, enum pair_kind ki
 #else
     const real *own = result->moment;
 #endif
-    for (int c = 0; c < SPRINGS; c++, to += rows)
+    for (int c = 0; c < SPRINGS; c++, to += PARTICLES_BLOCK)
         if (next)
             real_store(to + seats.first, REAL(shifted)(before->moment[c], result->moment[c]) + own[c]);
         else
@@ -378,19 +411,6 @@ LANES_INLINE int NAME(chunk_size)(size_t k, size_t end)
     return end - k < CHUNK * LANES ? (int)((end - k) / LANES) : CHUNK;
 }
 
-/* Large samples: records and sums of the particles j are asked for a chunk ahead, which no prefetcher sees coming. */
-LANES_INLINE void NAME(ask)(const struct particles *p, const void *force, const uint32_t *row)
-{
-    enum { RECORD = 8 * RECORD_STRIDE(DIM, FRICTIONAL, SINGLE), SUMS = SUMS_BYTES(DIM, FRICTIONAL, SINGLE) };
-    for (int l = 0; l < LANES; l++) {
-        const char *record = (const char *)p->record + 8 * (size_t)row[l];
-        __builtin_prefetch(record);
-        if (RECORD > 64)
-            __builtin_prefetch(record + 64);
-        __builtin_prefetch((const char *)force + (size_t)row[l] * SUMS / (RECORD / 8), 1);
-    }
-}
-
 #if DIM == 2 && !FRICTIONAL
 /* Few values are on their way here, and so registers hold them: vector k + 2 is approached, roots are drawn for vector
  * k + 1, the law is that of vector k, and vector k - 1 (in double, which fills registers sooner, k itself) is added up;
@@ -430,8 +450,8 @@ LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, enum pair_kind kind,
     way->done_l = l;
 }
 
-LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind kind, bool large,
-                                   struct NAME(sums) * sums, struct NAME(totals) * totals)
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind kind, struct NAME(sums) * sums,
+                                   struct NAME(totals) * totals)
 {
     enum { TOGETHER = CLOSE_EVERY / SET_WIDTH };
     const bool one = LANES == SET_WIDTH && r->first + 1 == r->last; /* there is no second vector */
@@ -443,8 +463,6 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind 
     for (size_t from = r->first, to; from < r->last; from = to) {
         to = from + TOGETHER < r->last ? from + TOGETHER : r->last;
         for (size_t set = from; set < to; set++) {
-            for (size_t l = 0; large && kind != PAIRS_NEXT && l < SET_WIDTH && set + ASK_AHEAD < r->last; l += LANES)
-                NAME(ask)(r->p, r->force, r->slots.partner + (set + ASK_AHEAD) * SET_WIDTH + l);
             for (size_t l = 0; l < SET_WIDTH; l += LANES)
                 NAME(go_on)(r, kind, set, l, &way, sums);
         }
@@ -467,18 +485,14 @@ LANES_INLINE void NAME(meet_pairs)(struct NAME(chunk) * chunk, const struct NAME
     }
 }
 
-LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind kind, bool large,
-                                   struct NAME(sums) * sums, struct NAME(totals) * totals)
+LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind kind, struct NAME(sums) * sums,
+                                   struct NAME(totals) * totals)
 {
     struct NAME(chunk) chunk;
     struct NAME(contact_result) before = NAME(no_result)();
     const size_t start = r->first * SET_WIDTH, end = r->last * SET_WIDTH;
     for (size_t k = start; k < end; k += CHUNK * LANES) {
-        const size_t second = k + CHUNK * LANES;
         const int n = NAME(chunk_size)(k, end);
-        for (size_t ahead = second; large && kind != PAIRS_NEXT && ahead < end && ahead < second + CHUNK * LANES;
-             ahead += LANES)
-            NAME(ask)(r->p, r->force, r->slots.partner + ahead);
         NAME(meet_pairs)(&chunk, r, kind, k, n);
         NAME(tests)(&chunk, &r->law, &r->slots, k, n, sums);
         NAME(forces)(&chunk, &r->law, &r->slots, k, n, sums);
@@ -495,38 +509,50 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind 
 }
 #endif
 
+/* Large samples: the records of a span's particles and their rows of sums are read in order, as the CPU sees coming,
+ * before pairs ask for them here and there. */
+LANES_INLINE void NAME(fetch)(const struct particles *p, const void *force, const struct contact_span *span)
+{
+    enum { RECORD = 8 * RECORD_STRIDE(DIM, FRICTIONAL, SINGLE), SUMS = SUMS_BYTES(DIM, FRICTIONAL, SINGLE), LINE = 64 };
+    const volatile char *record = p->record, *sums = force;
+    for (size_t b = (size_t)span->first * RECORD; b < (size_t)span->last * RECORD; b += LINE)
+        (void)record[b];
+    for (size_t b = (size_t)span->first * SUMS; b < (size_t)span->last * SUMS; b += LINE)
+        (void)sums[b];
+}
+
 /* The sums of a span's blocks start from nothing, where no pairs of neighbours in the order start them. */
 static void NAME(start_sums)(const struct NAME(range) * r, const struct contact_span *span)
 {
-    const size_t count = (size_t)(span->last - span->first);
-    for (int c = 0; c < DIM + FRICTIONAL * SPRINGS; c++)
-        memset(r->own + (size_t)c * (size_t)r->p->n_padded + (size_t)span->first, 0, count * sizeof(scalar));
+    const size_t first = NAME(sum_at)((size_t)span->first),
+                 last = NAME(sum_at)((size_t)span->last + (size_t)(-span->last & (PARTICLES_BLOCK - 1)));
+    memset(r->own + first, 0, (last - first) * sizeof(scalar));
 }
 
 /* Sets first ... last - 1 of one kind. */
-LANES_INLINE void NAME(go_through_sets)(struct NAME(range) * r, enum pair_kind kind, int first, int last, bool large,
+LANES_INLINE void NAME(go_through_sets)(struct NAME(range) * r, enum pair_kind kind, int first, int last,
                                         struct NAME(sums) * sums, struct NAME(totals) * totals)
 {
     r->first = (size_t)first;
     r->last = (size_t)last;
     if (first < last)
-        NAME(go_through)(r, kind, large, sums, totals);
+        NAME(go_through)(r, kind, sums, totals);
 }
 
 /* Narrow vectors have no need to tell whole sets from others; in 3D all are whole. */
-LANES_INLINE void NAME(go_through_span)(struct NAME(range) * r, const struct contact_span *span, bool large,
+LANES_INLINE void NAME(go_through_span)(struct NAME(range) * r, const struct contact_span *span,
                                         struct NAME(sums) * sums, struct NAME(totals) * totals)
 {
     if (span->next == span->whole)
         NAME(start_sums)(r, span);
-    NAME(go_through_sets)(r, PAIRS_NEXT, span->next, span->whole, large, sums, totals);
+    NAME(go_through_sets)(r, PAIRS_NEXT, span->next, span->whole, sums, totals);
     if (DIM == 2 && LANES <= HALF_WIDTH) {
-        NAME(go_through_sets)(r, PAIRS_HALVES, span->whole, span->end, large, sums, totals);
+        NAME(go_through_sets)(r, PAIRS_HALVES, span->whole, span->end, sums, totals);
         return;
     }
-    NAME(go_through_sets)(r, PAIRS_WHOLE, span->whole, span->halves, large, sums, totals);
+    NAME(go_through_sets)(r, PAIRS_WHOLE, span->whole, span->halves, sums, totals);
     if (DIM == 2)
-        NAME(go_through_sets)(r, PAIRS_HALVES, span->halves, span->end, large, sums, totals);
+        NAME(go_through_sets)(r, PAIRS_HALVES, span->halves, span->end, sums, totals);
 }
 
 /* What the contacts of a list count in. */
@@ -551,11 +577,11 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
     const bool large = p->count >= PARTICLES_LARGE_SAMPLE;
     struct NAME(sums) sums = {0};
     struct NAME(totals) totals = {0};
-    for (int s = first; s < last; s++)
+    for (int s = first; s < last; s++) {
         if (large)
-            NAME(go_through_span)(&range, &pairs->slots.span[s], true, &sums, &totals);
-        else
-            NAME(go_through_span)(&range, &pairs->slots.span[s], false, &sums, &totals);
+            NAME(fetch)(p, force, &pairs->slots.span[s]);
+        NAME(go_through_span)(&range, &pairs->slots.span[s], &sums, &totals);
+    }
     NAME(sums_close)(&sums, &totals);
     NAME(totals_add)(&totals, constants, dt_s, &units, losses);
 }

@@ -3,7 +3,6 @@
 enum {
     CHUNK = 8, /* sets that go through a kernel's parts together */
     APART = F64_LANES == 4,
-    ASK_AHEAD = 8,     /* sets, of what the caches do not hold */
     CLOSE_EVERY = 1024 /* slots: sums in float stay short */
 };
 

@@ -26,20 +26,21 @@ LANES_INLINE void NAME(pack)(struct particles *p, int i, const struct NAME(motio
 {
     enum { STRIDE = RECORD_STRIDE(DIM, FRICTIONAL, SINGLE) };
     const real zero = real_all(0.0), *x = m->x, *v = m->v;
+    const size_t at = NAME(view_at)((size_t)i);
     double *to = (double *)p->record + (size_t)i * STRIDE;
     (void)zero;
     for (int c = 0; c < DIM; c++) {
 #if SINGLE
-        real_store((float *)p->view_u[c] + i, x[c]);
+        real_store((float *)p->view_u[c] + at, x[c]);
 #endif
-        real_store((scalar *)p->view_v[c] + i, v[c]);
+        real_store((scalar *)p->view_v[c] + at, v[c]);
     }
 #if FRICTIONAL
     const real *omega = m->omega, *lag = m->lag;
     for (int c = 0; c < LAG_COLUMNS(DIM, SINGLE); c++)
-        real_store((scalar *)p->view_lag[c] + i, lag[c]);
+        real_store((scalar *)p->view_lag[c] + at, lag[c]);
     for (int c = 0; c < SPRINGS; c++)
-        real_store((scalar *)p->view_omega[c] + i, omega[c]);
+        real_store((scalar *)p->view_omega[c] + at, omega[c]);
 #endif
 #if SINGLE && DIM == 2 && FRICTIONAL
     const real record[8] = {x[0], x[1], v[0], v[1], omega[0], lag[0], lag[1], lag[2]};
@@ -81,7 +82,8 @@ LANES_INLINE void NAME(take_sums)(struct particles *p, int i, real *force, real 
 {
     enum { STRIDE = SUMS_BYTES(DIM, FRICTIONAL, SINGLE) / (int)sizeof(scalar) };
     scalar *rows = (scalar *)p->force + (size_t)i * STRIDE;
-    scalar *own = (scalar *)((char *)p->force + PARTICLES_COLUMNS_OFFSET(p->n_rows, DIM, FRICTIONAL, SINGLE)) + i;
+    scalar *own = (scalar *)((char *)p->force + PARTICLES_COLUMNS_OFFSET(p->n_rows, DIM, FRICTIONAL, SINGLE)) +
+                  NAME(sum_at)((size_t)i);
     real row[8];
     (void)moment;
 #if DIM == 2 && !FRICTIONAL
@@ -96,10 +98,10 @@ LANES_INLINE void NAME(take_sums)(struct particles *p, int i, real *force, real 
     f64_load4(rows + FORCE_MOMENT(3), STRIDE, row + FORCE_MOMENT(3));
 #endif
 #endif
-    for (int c = 0; c < DIM; c++, own += p->n_padded)
+    for (int c = 0; c < DIM; c++, own += PARTICLES_BLOCK)
         force[c] = row[c] + real_load(own);
 #if FRICTIONAL
-    for (int c = 0; c < SPRINGS; c++, own += p->n_padded)
+    for (int c = 0; c < SPRINGS; c++, own += PARTICLES_BLOCK)
         moment[c] = row[FORCE_MOMENT(DIM) + c] + real_load(own);
 #endif
     memset(rows, 0, LANES * STRIDE * sizeof *rows);
@@ -143,21 +145,22 @@ LANES_INLINE double NAME(power)(const struct NAME(kick) * kick, const struct par
 /* Accelerations from forces, background damping and gravity. */
 LANES_INLINE struct NAME(push) NAME(pushed)(struct particles *p, int i, struct NAME(kick) * kick)
 {
+    const size_t at = NAME(view_at)((size_t)i);
     struct NAME(push) to;
     real force[DIM], moment[3], inv_mass = real_load((const scalar *)p->view_inv_mass + i), v2 = real_all(0.0);
     NAME(take_sums)(p, i, force, moment);
     for (int c = 0; c < DIM; c++) {
-        real v = real_load((const scalar *)p->view_v[c] + i);
+        real v = real_load((const scalar *)p->view_v[c] + at);
         to.a[c] = real_fma(real_fma(kick->minus_gamma_b, v, force[c]), inv_mass, kick->gravity[c]);
         v2 = real_fma(v, v, v2);
     }
     kick->v2 = NAME(doubles_add)(kick->v2, NAME(doubles_of)(v2));
 #if FRICTIONAL
     const real minus_lever = real_load((const scalar *)p->view_minus_lever + i);
-    const real minus_slowing = kick->minus_slowing * inv_mass, radius = real_load((const scalar *)p->view_radius + i);
+    const real minus_slowing = kick->minus_slowing * inv_mass, radius = real_load((const scalar *)p->view_radius + at);
     real omega2 = real_all(0.0);
     for (int c = 0; c < SPRINGS; c++) {
-        real omega = real_load((const scalar *)p->view_omega[c] + i);
+        real omega = real_load((const scalar *)p->view_omega[c] + at);
         to.alpha[c] = real_fma(minus_lever, moment[c], minus_slowing * omega);
         omega2 = real_fma(omega, omega, omega2);
     }
@@ -273,7 +276,8 @@ LANES_INLINE void NAME(turned)(struct particles *p, int i, const struct NAME(dri
     if (c >= SPRINGS)
         return;
     scalar *kept = SINGLE ? (scalar *)p->omega_rest[c] + i : (scalar *)p->omega[c] + i;
-    struct NAME(pace) omega = NAME(pace)(drift, (const scalar *)p->view_omega[c] + i, kept, push->alpha[c], settled);
+    struct NAME(pace) omega =
+        NAME(pace)(drift, (const scalar *)p->view_omega[c] + NAME(view_at)((size_t)i), kept, push->alpha[c], settled);
     const real spin = NAME(lag)(drift, &omega);
 #if SINGLE && DIM == 3
     to->lag[c] = f32_pair(lag, spin);
@@ -292,18 +296,19 @@ LANES_INLINE void NAME(turned)(struct particles *p, int i, const struct NAME(dri
 LANES_INLINE void NAME(drifted)(struct particles *p, int i, struct NAME(drift) * drift, const struct NAME(push) * push,
                                 bool settled)
 {
+    const size_t at = NAME(view_at)((size_t)i);
     struct NAME(motion) to;
     real moved2 = real_all(0.0);
     for (int c = 0; c < DIM; c++) {
         scalar *kept = SINGLE ? (scalar *)p->v_rest[c] + i : (scalar *)p->v[c] + i;
-        struct NAME(pace) v = NAME(pace)(drift, (const scalar *)p->view_v[c] + i, kept, push->a[c], settled);
+        struct NAME(pace) v = NAME(pace)(drift, (const scalar *)p->view_v[c] + at, kept, push->a[c], settled);
 #if FRICTIONAL
         NAME(turned)(p, i, drift, push, settled, c, &v, &to);
 #endif
         const real keep = NAME(pace_keep)(&v, kept);
         to.v[c] = v.now;
 #if SINGLE
-        to.x[c] = NAME(place)(drift, p->view_u[c] + i, p->u_rest[c] + i, v.now, keep);
+        to.x[c] = NAME(place)(drift, p->view_u[c] + at, p->u_rest[c] + i, v.now, keep);
         real moved = f32_of_integers(to.x[c]);
 #else
         to.x[c] = f64_fma(drift->dt, keep, f64_load(p->x[c] + i));
@@ -325,7 +330,7 @@ static void NAME(hold_padding)(struct particles *p, const struct kick_constants 
         return;
     for (int c = 0; c < DIM; c++) {
 #if SINGLE
-        memset(p->view_u[c] + count, 0, rest * sizeof(int32_t));
+        memset(p->view_u[c] + NAME(view_at)(count), 0, rest * sizeof(int32_t));
         memset(p->u_rest[c] + count, 0, rest * sizeof(float));
         memset(p->v_rest[c] + count, 0, rest * sizeof(float));
 #else
@@ -333,7 +338,7 @@ static void NAME(hold_padding)(struct particles *p, const struct kick_constants 
 #endif
         memset(p->v[c] + count, 0, rest * sizeof(double));
         memset(p->a[c] + count, 0, rest * sizeof(double));
-        memset((scalar *)p->view_v[c] + count, 0, rest * sizeof(scalar));
+        memset((scalar *)p->view_v[c] + NAME(view_at)(count), 0, rest * sizeof(scalar));
     }
 }
 
@@ -370,8 +375,8 @@ LANES_INLINE void NAME(settle)(const struct NAME(kick) * kick, int i, const void
 {
     struct NAME(doubles) more = NAME(doubles_of)(a), middle;
 #if SINGLE
-    middle =
-        NAME(doubles_add)(NAME(doubles_of)(real_load((const float *)view + i)), NAME(doubles_of)(real_load(rest + i)));
+    middle = NAME(doubles_add)(NAME(doubles_of)(real_load((const float *)view + NAME(view_at)((size_t)i))),
+                               NAME(doubles_of)(real_load(rest + i)));
     for (int h = 0; h < PARTS; h++) {
         middle.part[h] = kick->speed_unit * middle.part[h];
         more.part[h] = kick->speed_unit * more.part[h];

@@ -135,6 +135,15 @@ LANES_INLINE f32 f32_shifted(f32 before, f32 x)
     __m256i middle = _mm256_castps_si256(_mm256_permute2f128_ps(before, x, 0x21));
     return _mm256_castsi256_ps(_mm256_alignr_epi8(_mm256_castps_si256(x), middle, 12));
 }
+LANES_INLINE f64 f64_behind(f64 x, f64 next)
+{
+    return _mm256_shuffle_pd(x, _mm256_permute2f128_pd(x, next, 0x21), 5);
+}
+LANES_INLINE f32 f32_behind(f32 x, f32 next)
+{
+    __m256i middle = _mm256_castps_si256(_mm256_permute2f128_ps(x, next, 0x21));
+    return _mm256_castsi256_ps(_mm256_alignr_epi8(middle, _mm256_castps_si256(x), 4));
+}
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {
     part[0] = _mm256_cvtps_pd(_mm256_castps256_ps128(x));

@@ -135,6 +135,14 @@ LANES_INLINE f32 f32_shifted(f32 before, f32 x)
 {
     return _mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(x), _mm512_castps_si512(before), 15));
 }
+LANES_INLINE f64 f64_behind(f64 x, f64 next)
+{
+    return _mm512_castsi512_pd(_mm512_alignr_epi64(_mm512_castpd_si512(next), _mm512_castpd_si512(x), 1));
+}
+LANES_INLINE f32 f32_behind(f32 x, f32 next)
+{
+    return _mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(next), _mm512_castps_si512(x), 1));
+}
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {
     part[0] = _mm512_cvtps_pd(_mm512_castps512_ps256(x));

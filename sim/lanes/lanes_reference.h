@@ -140,6 +140,17 @@ LANES_INLINE f32 f32_shifted(f32 before, f32 x)
     (void)x;
     return before;
 }
+/* Each lane from the one behind it, the last from the first of `next`. */
+LANES_INLINE f64 f64_behind(f64 x, f64 next)
+{
+    (void)x;
+    return next;
+}
+LANES_INLINE f32 f32_behind(f32 x, f32 next)
+{
+    (void)x;
+    return next;
+}
 /* F32_LANES/F64_LANES f64 from an f32. */
 LANES_INLINE void f32_widen(f32 x, f64 *part)
 {

@@ -113,14 +113,26 @@ static void permute(void *array, size_t size, int count, const int32_t *order, v
     memcpy(array, scratch, size * (size_t)count);
 }
 
+/* The same of a column of the views. */
+static void permute_view(const struct particles *p, void *column, const int32_t *order, void *scratch)
+{
+    const size_t size = p->mixed ? sizeof(float) : sizeof(double);
+    unsigned char *at = column, *by_slot = scratch;
+    if (!column)
+        return;
+    for (int k = 0; k < p->count; k++)
+        memcpy(by_slot + size * (size_t)k, at + size * particles_view_at(p, order[k]), size);
+    for (int k = 0; k < p->count; k++)
+        memcpy(at + size * particles_view_at(p, k), by_slot + size * (size_t)k, size);
+}
+
 /* What steps go on with in the views; and mixed. */
 static void permute_steps(struct particles *p, const int32_t *order, void *scratch)
 {
-    const size_t real = p->mixed ? sizeof(float) : sizeof(double);
     for (int c = 0; c < 3; c++) {
-        permute(p->view_v[c], real, p->count, order, scratch);
-        permute(p->view_omega[c], real, p->count, order, scratch);
-        permute(p->view_u[c], sizeof(int32_t), p->count, order, scratch);
+        permute_view(p, p->view_v[c], order, scratch);
+        permute_view(p, p->view_omega[c], order, scratch);
+        permute_view(p, p->view_u[c], order, scratch);
         permute(p->u_rest[c], sizeof(float), p->count, order, scratch);
         permute(p->v_rest[c], sizeof(float), p->count, order, scratch);
         permute(p->omega_rest[c], sizeof(float), p->count, order, scratch);

@@ -30,6 +30,7 @@ struct entry {
     enum extent extent;
     size_t count; /* IN_PLACE */
     bool late;    /* files of older versions do not have it */
+    bool view;    /* of the views of particles, in blocks */
 };
 
 #define I32 CHECKPOINT_I32
@@ -38,22 +39,26 @@ struct entry {
 #define F64 CHECKPOINT_F64
 #define VALUES(owner, type_, member, value_type, count)                                                                \
     {                                                                                                                  \
-#member, owner, value_type, offsetof(struct type_, member), IN_PLACE, count, false                             \
+#member, owner, value_type, offsetof(struct type_, member), IN_PLACE, count, false, false                      \
     }
 #define PROGRESS(member, value_type)      VALUES(OF_PROGRESS, run_progress, member, value_type, 1)
 #define SAMPLE(member, value_type, count) VALUES(OF_SAMPLE, sample, member, value_type, count)
 #define WALL(member)                      VALUES(OF_WALL, wall, member, F64, 1)
 #define PARTICLES(member, extent)                                                                                      \
     {                                                                                                                  \
-#member, OF_PARTICLES, F64, offsetof(struct particles, member), extent, 0, false                               \
+#member, OF_PARTICLES, F64, offsetof(struct particles, member), extent, 0, false, false                        \
     }
 #define STEPS(member, value_type, extent)                                                                              \
     {                                                                                                                  \
-#member, OF_PARTICLES, value_type, offsetof(struct particles, member), extent, 0, true                         \
+#member, OF_PARTICLES, value_type, offsetof(struct particles, member), extent, 0, true, false                  \
+    }
+#define VIEW(name, member, value_type, extent)                                                                         \
+    {                                                                                                                  \
+#name, OF_PARTICLES, value_type, offsetof(struct particles, member), extent, 0, true, true                     \
     }
 #define LIST(member, value_type, extent)                                                                               \
     {                                                                                                                  \
-#member, OF_LIST, value_type, offsetof(struct contact_list, member), extent, 0, false                          \
+#member, OF_LIST, value_type, offsetof(struct contact_list, member), extent, 0, false, false                   \
     }
 
 /* A new member that decides later bits is one line here. What every step makes anew before it is used (forces,
@@ -75,8 +80,8 @@ static const struct entry members[] = {
     PROGRESS(log_bytes, I64),
     PROGRESS(elapsed_s, F64),
     VALUES(OF_PROGRESS, run_progress, watch, F64, sizeof(struct stability_watch) / sizeof(double)),
-    {"hurry_steps", OF_PROGRESS, I32, offsetof(struct run_progress, hurry_steps), IN_PLACE, 1, true},
-    {"passing_noted", OF_PROGRESS, I32, offsetof(struct run_progress, passing_noted), IN_PLACE, 1, true},
+    {"hurry_steps", OF_PROGRESS, I32, offsetof(struct run_progress, hurry_steps), IN_PLACE, 1, true, false},
+    {"passing_noted", OF_PROGRESS, I32, offsetof(struct run_progress, passing_noted), IN_PLACE, 1, true, false},
     PROGRESS(doubts, I64),
     PROGRESS(has_command, I32),
     PROGRESS(command.step, I64),
@@ -97,7 +102,7 @@ static const struct entry members[] = {
     SAMPLE(stage_time_start_s, F64, 1),
     SAMPLE(stage_position_m, F64, SCENE_WALLS_MAX),
     SAMPLE(dt, F64, 1),
-    {"kicked_s", OF_SAMPLE, F64, offsetof(struct sample, kicked_s), IN_PLACE, 1, true},
+    {"kicked_s", OF_SAMPLE, F64, offsetof(struct sample, kicked_s), IN_PLACE, 1, true, false},
     SAMPLE(trajectory.from_step, I64, 1),
     SAMPLE(trajectory.n_steps, I32, 1),
     SAMPLE(trajectory.dt, F64, 1),
@@ -139,7 +144,7 @@ static const struct entry members[] = {
     SAMPLE(pairs.search_max, I32, 1),
     SAMPLE(verlet.rebuilds, I64, 1),
     SAMPLE(verlet.built_step, I64, 1),
-    {"id", OF_PARTICLES, I32, offsetof(struct particles, id), ONE_ARRAY, 0, false},
+    {"id", OF_PARTICLES, I32, offsetof(struct particles, id), ONE_ARRAY, 0, false, false},
     PARTICLES(x, PER_AXIS),
     PARTICLES(v, PER_AXIS),
     PARTICLES(a, PER_AXIS),
@@ -150,20 +155,20 @@ static const struct entry members[] = {
     PARTICLES(mass, ONE_ARRAY),
     PARTICLES(inv_mass, ONE_ARRAY),
     PARTICLES(inv_inertia, IF_ROTATIONS),
-    {"speed_unit", OF_PARTICLES, F64, offsetof(struct particles, speed_unit), IN_PLACE_IF_SINGLE, 1, true},
-    {"force_unit", OF_PARTICLES, F64, offsetof(struct particles, force_unit), IN_PLACE_IF_SINGLE, 1, true},
-    STEPS(view_u, I32, PER_AXIS_IF_SINGLE),
-    STEPS(view_v, F32, PER_AXIS_IF_SINGLE),
-    STEPS(view_omega, F32, PER_ROTATION_IF_SINGLE),
-    {"predicted_v", OF_PARTICLES, F64, offsetof(struct particles, view_v), PER_AXIS_IF_TURNING, 0, true},
-    {"predicted_omega", OF_PARTICLES, F64, offsetof(struct particles, view_omega), PER_ROTATION_IF_DOUBLE, 0, true},
+    {"speed_unit", OF_PARTICLES, F64, offsetof(struct particles, speed_unit), IN_PLACE_IF_SINGLE, 1, true, false},
+    {"force_unit", OF_PARTICLES, F64, offsetof(struct particles, force_unit), IN_PLACE_IF_SINGLE, 1, true, false},
+    VIEW(view_u, view_u, I32, PER_AXIS_IF_SINGLE),
+    VIEW(view_v, view_v, F32, PER_AXIS_IF_SINGLE),
+    VIEW(view_omega, view_omega, F32, PER_ROTATION_IF_SINGLE),
+    VIEW(predicted_v, view_v, F64, PER_AXIS_IF_TURNING),
+    VIEW(predicted_omega, view_omega, F64, PER_ROTATION_IF_DOUBLE),
     STEPS(u_rest, F32, PER_AXIS_IF_SINGLE),
     STEPS(v_rest, F32, PER_AXIS_IF_SINGLE),
     STEPS(omega_rest, F32, PER_ROTATION_IF_SINGLE),
     WALL(x),
     WALL(v),
     WALL(force),
-    {"touching", OF_WALL, I32, offsetof(struct wall, touching), IN_PLACE, 1, true},
+    {"touching", OF_WALL, I32, offsetof(struct wall, touching), IN_PLACE, 1, true, false},
     WALL(x_list),
     LIST(i, I32, ONE_ARRAY),
     LIST(j, I32, ONE_ARRAY),
@@ -175,6 +180,7 @@ struct model {
     size_t count; /* members of an array */
     int axes, rotations;
     bool mixed;
+    int view_columns;
 };
 
 static int components(const struct entry *entry, const struct model *model)
@@ -202,6 +208,7 @@ static void collect_entry(struct checkpoint_items *items, const struct entry *en
         *item = (struct checkpoint_item){.type = entry->type, .count = entry->count, .data = at, .late = entry->late};
         if (entry->extent != IN_PLACE && entry->extent != IN_PLACE_IF_SINGLE) {
             item->count = model->count;
+            item->columns = entry->view ? model->view_columns : 0;
             memcpy(&item->data, at + (size_t)c * sizeof item->data, sizeof item->data);
         }
         snprintf(item->path, sizeof item->path, many ? "%s/%s/%d" : "%s/%s", group, entry->name, c);
@@ -248,8 +255,11 @@ static void collect(struct checkpoint_items *items, struct sample *sample, struc
     char group[32];
     const struct particles *p = &sample->particles;
     (void)sample_complete(sample);
-    const struct model particles = {
-        .count = (size_t)p->count, .axes = p->dimension, .rotations = p->n_rotations, .mixed = p->mixed};
+    const struct model particles = {.count = (size_t)p->count,
+                                    .axes = p->dimension,
+                                    .rotations = p->n_rotations,
+                                    .mixed = p->mixed,
+                                    .view_columns = (int)(particles_view_at(p, PARTICLES_BLOCK) / PARTICLES_BLOCK)};
     items->n = 0;
     if (progress)
         collect_owner(items, OF_PROGRESS, "progress", progress, &particles);
@@ -266,6 +276,23 @@ static void collect(struct checkpoint_items *items, struct sample *sample, struc
         collect_owner(items, OF_LIST, group, list, &model);
         collect_history(items, group, list);
     }
+}
+
+void *checkpoint_item_gather(const struct checkpoint_item *item)
+{
+    const size_t size = checkpoint_type_size(item->type);
+    unsigned char *values = malloc(item->count * size);
+    for (size_t k = 0; values && k < item->count; k++)
+        memcpy(values + size * k, (const unsigned char *)item->data + size * COLUMN_AT(item->columns, k), size);
+    return values;
+}
+
+void checkpoint_item_scatter(const struct checkpoint_item *item, const void *values)
+{
+    const size_t size = checkpoint_type_size(item->type);
+    for (size_t k = 0; k < item->count; k++)
+        memcpy((unsigned char *)item->data + size * COLUMN_AT(item->columns, k),
+               (const unsigned char *)values + size * k, size);
 }
 
 void checkpoint_item_read(const struct checkpoint_item *item)
