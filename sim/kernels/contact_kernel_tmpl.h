@@ -397,12 +397,23 @@ LANES_INLINE struct NAME(contact_result)
     return NAME(force)(law, &touch, &memory, sums);
 }
 
-/* Forces before any is added, where that is a part of its own. */
-LANES_INLINE void NAME(forces)(struct NAME(chunk) * chunk, const struct NAME(law) * law,
-                               const struct contact_slots *slots, size_t k, int n, struct NAME(sums) * sums)
+/* The law for n sets from slot k on, but for forces that are found where they are added. */
+LANES_INLINE void NAME(laws)(struct NAME(chunk) * chunk, const struct NAME(law) * law,
+                             const struct contact_slots *slots, size_t k, int n, struct NAME(sums) * sums)
 {
+    NAME(tests)(chunk, law, slots, k, n, sums);
     for (int m = 0; m < n && APART; m++)
         chunk->set[m].result = NAME(force_of)(chunk, law, slots, k, m, sums);
+}
+
+/* What set m of them gives. */
+LANES_INLINE struct NAME(contact_result)
+    NAME(result_of)(const struct NAME(chunk) * chunk, const struct NAME(law) * law, const struct contact_slots *slots,
+                    size_t k, int m, struct NAME(sums) * sums)
+{
+    if (APART)
+        return chunk->set[m].result;
+    return NAME(force_of)(chunk, law, slots, k, m, sums);
 }
 
 /* Sets from slot k on that fit in a chunk, up to `end`. */
@@ -494,13 +505,10 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind 
     for (size_t k = start; k < end; k += CHUNK * LANES) {
         const int n = NAME(chunk_size)(k, end);
         NAME(meet_pairs)(&chunk, r, kind, k, n);
-        NAME(tests)(&chunk, &r->law, &r->slots, k, n, sums);
-        NAME(forces)(&chunk, &r->law, &r->slots, k, n, sums);
+        NAME(laws)(&chunk, &r->law, &r->slots, k, n, sums);
         for (int m = 0; m < n; m++) {
             const size_t at = k + (size_t)m * LANES;
-            struct NAME(contact_result) result = chunk.set[m].result;
-            if (!APART)
-                result = NAME(force_of)(&chunk, &r->law, &r->slots, k, m, sums);
+            const struct NAME(contact_result) result = NAME(result_of)(&chunk, &r->law, &r->slots, k, m, sums);
             NAME(add_pair)(r, kind, at / SET_WIDTH, at % SET_WIDTH, &result, &before);
         }
         if (SINGLE && (k - start) % CLOSE_EVERY == 0)
@@ -686,14 +694,10 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
             NAME(keep_meeting)(&chunk, m, &law, &sides);
             touching = touching + real_where(real_greater(sides.delta, real_all(0.0)), real_all(1.0));
         }
-        NAME(tests)(&chunk, &law, &slots, k, n, &sums);
-        NAME(forces)(&chunk, &law, &slots, k, n, &sums);
-        for (int m = 0; m < n; m++) {
-            struct NAME(contact_result) result = chunk.set[m].result;
-            if (!APART)
-                result = NAME(force_of)(&chunk, &law, &slots, k, m, &sums);
-            NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, result, columns);
-        }
+        NAME(laws)(&chunk, &law, &slots, k, n, &sums);
+        for (int m = 0; m < n; m++)
+            NAME(add_wall)
+            (p->force, wall, k + (size_t)m * LANES, NAME(result_of)(&chunk, &law, &slots, k, m, &sums), columns);
     }
     NAME(sums_close)(&sums, &totals);
     NAME(totals_add)(&totals, constants, dt_s, &units, losses);
