@@ -409,8 +409,7 @@ static const struct key coupling_keys[] = {
      "exchange interval n; 1 is exact; adaptive: the longest"},
     {"ahead_steps", KEY_INT, OF(scene_coupling, ahead_steps), "steps", 0, 500000, "0", NULL, NULL,
      "compensated: the next command is asked for so many steps before it is wanted, at most half an interval, and "
-     "comes "
-     "while sim goes on; 0: sim waits"},
+     "comes while sim goes on; 0: sim waits"},
     {"tolerance", KEY_FLOAT, OF(scene_coupling, tolerance), NULL, 1e-9, 1, "1e-3", NULL, NULL,
      "adaptive: energy mismatch at the walls over their work, wanted in each interval"},
     {"busy_poll", KEY_BOOL, OF(scene_coupling, busy_poll), NULL, 0, 0, "false", NULL, NULL,

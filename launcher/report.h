@@ -23,9 +23,10 @@ void report_failure(struct child *child, int exit_code, const struct run_folder 
 /* Whether there is a record. */
 void report_record(const struct run_folder *folder);
 
-/* The line that says how to go on. */
 /* `path` as a word for a shell, to be freed by g_free. */
 char *report_shell_word(const char *path);
+
+/* The line that says how to go on. */
 void report_way_on(const struct run_folder *folder);
 
 #endif

@@ -53,16 +53,21 @@ static enum status rests_init(struct particles *p)
     return STATUS_OK;
 }
 
+int particles_view_columns(const struct particles *p)
+{
+    return VIEW_COLUMNS(p->dimension, frictional(p), p->mixed);
+}
+
 size_t particles_view_at(const struct particles *p, int i)
 {
-    return COLUMN_AT(VIEW_COLUMNS(p->dimension, frictional(p), p->mixed), i);
+    return COLUMN_AT(particles_view_columns(p), i);
 }
 
 /* The columns' places, one after the other. */
 static enum status views_init(struct particles *p)
 {
-    const size_t real = p->mixed ? sizeof(float) : sizeof(double), columns = particles_view_at(p, PARTICLES_BLOCK);
-    TRY(array_resize(&p->view, real, columns / PARTICLES_BLOCK * (size_t)p->n_padded, 0));
+    const size_t real = p->mixed ? sizeof(float) : sizeof(double);
+    TRY(array_resize(&p->view, real, (size_t)particles_view_columns(p) * (size_t)p->n_padded, 0));
     char *next = p->view;
     for (int c = 0; p->mixed && c < p->dimension; c++, next += PARTICLES_BLOCK * real)
         p->view_u[c] = (int32_t *)(void *)next;
@@ -101,7 +106,7 @@ enum status particles_init(struct particles *p, int count, int dimension, bool r
     memset(p, 0, sizeof *p);
     p->count = count;
     p->dimension = dimension;
-    p->n_rotations = !rotations ? 0 : dimension == 2 ? 1 : 3;
+    p->n_rotations = rotations ? ROTATIONS(dimension) : 0;
     TRY(array_resize(&p->id, sizeof *p->id, (size_t)count, 0));
     TRY(array_resize(&p->slot, sizeof *p->slot, (size_t)count, 0));
     for (int i = 0; i < count; i++)

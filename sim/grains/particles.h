@@ -74,11 +74,11 @@ struct particles {
 enum { PARTICLES_BLOCK = 16 };
 #define COLUMN_AT(columns, i)                                                                                          \
     ((size_t)(i) / PARTICLES_BLOCK * (PARTICLES_BLOCK * (size_t)(columns)) + (size_t)(i) % PARTICLES_BLOCK)
-/* How many columns views and sums have. */
+/* Components of omega with friction; how many columns views and sums have. */
+#define ROTATIONS(dimension) ((dimension) == 2 ? 1 : 3)
 #define VIEW_COLUMNS(dimension, frictional, mixed)                                                                     \
-    ((dimension) * ((mixed) ? 2 : 1) +                                                                                 \
-     ((frictional) ? ((dimension) == 2 ? 1 : 3) + LAG_COLUMNS(dimension, mixed) + 1 : 0))
-#define SUMS_COLUMNS(dimension, frictional) ((dimension) + ((frictional) ? ((dimension) == 2 ? 1 : 3) : 0))
+    ((dimension) * ((mixed) ? 2 : 1) + ((frictional) ? ROTATIONS(dimension) + LAG_COLUMNS(dimension, mixed) + 1 : 0))
+#define SUMS_COLUMNS(dimension, frictional) ((dimension) + ((frictional) ? ROTATIONS(dimension) : 0))
 /* Where the columns of sums start, in bytes. */
 #define PARTICLES_COLUMNS_OFFSET(rows, dimension, frictional, mixed)                                                   \
     ((size_t)(rows)*SUMS_BYTES(dimension, frictional, mixed))
@@ -126,7 +126,8 @@ double particles_velocity(const struct particles *particles, int c, int i);
 /* Square of how far particle i is from where the lists were built [m^2]. */
 double particles_moved2_m2(const struct particles *particles, int i);
 
-/* Where member i of a column of the views is, in members from its first. */
+/* How many columns the views have; and where member i of one is, in members from its first. */
+int particles_view_columns(const struct particles *particles);
 size_t particles_view_at(const struct particles *particles, int i);
 
 /* Single: the units of velocity and force, from the mean radius and mass and a time of the sample, its time step. To be

@@ -48,7 +48,7 @@ static enum status put_texts(hid_t file, const struct sample *sample)
 
 static enum status put_item(hid_t file, const struct checkpoint_item *item)
 {
-    if (!item->columns)
+    if (item->columns == 1)
         return checkpoint_put(file, item->path, item->type, item->count, item->data);
     void *values = checkpoint_item_gather(item);
     enum status status = values ? checkpoint_put(file, item->path, item->type, item->count, values) : no_memory();
@@ -134,7 +134,7 @@ static enum status get_item(hid_t file, const struct checkpoint_item *item, enum
                            "(sample.initial), but not go on",
                            item->path);
     }
-    if (!item->columns)
+    if (item->columns == 1)
         return checkpoint_get(file, item->path, item->type, item->count, item->data);
     void *values = checkpoint_item_gather(item);
     enum status status = values ? checkpoint_get(file, item->path, item->type, item->count, values) : no_memory();
@@ -252,17 +252,6 @@ enum status checkpoint_load_sample(struct checkpoint_content **content, const ch
     return content_load(content, path, FOR_SAMPLE);
 }
 
-static bool same_values(const struct checkpoint_item *x, const struct checkpoint_item *y)
-{
-    if (!x->columns)
-        return x->count == 0 || memcmp(x->data, y->data, x->count * checkpoint_type_size(x->type)) == 0;
-    void *a = checkpoint_item_gather(x), *b = checkpoint_item_gather(y);
-    bool same = a && b && memcmp(a, b, x->count * checkpoint_type_size(x->type)) == 0;
-    free(a);
-    free(b);
-    return same;
-}
-
 bool checkpoint_equal(struct sample *a, struct sample *b, char *difference, size_t size)
 {
     struct checkpoint_items *of_a = checkpoint_items_of(a, NULL), *of_b = checkpoint_items_of(b, NULL);
@@ -272,7 +261,7 @@ bool checkpoint_equal(struct sample *a, struct sample *b, char *difference, size
         const struct checkpoint_item *x = &of_a->item[k], *y = &of_b->item[k];
         checkpoint_item_read(x);
         checkpoint_item_read(y);
-        same = strcmp(x->path, y->path) == 0 && x->count == y->count && same_values(x, y);
+        same = strcmp(x->path, y->path) == 0 && checkpoint_item_equal(x, y);
         if (!same)
             snprintf(difference, size, "%s", x->path);
     }

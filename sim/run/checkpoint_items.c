@@ -205,10 +205,11 @@ static void collect_entry(struct checkpoint_items *items, const struct entry *en
     bool many = entry->extent >= PER_AXIS && entry->extent < IF_ROTATIONS;
     for (int c = 0; c < components(entry, model) && items->n < CHECKPOINT_ITEMS_MAX; c++) {
         struct checkpoint_item *item = &items->item[items->n++];
-        *item = (struct checkpoint_item){.type = entry->type, .count = entry->count, .data = at, .late = entry->late};
+        *item = (struct checkpoint_item){
+            .type = entry->type, .count = entry->count, .data = at, .late = entry->late, .columns = 1};
         if (entry->extent != IN_PLACE && entry->extent != IN_PLACE_IF_SINGLE) {
             item->count = model->count;
-            item->columns = entry->view ? model->view_columns : 0;
+            item->columns = entry->view ? model->view_columns : 1;
             memcpy(&item->data, at + (size_t)c * sizeof item->data, sizeof item->data);
         }
         snprintf(item->path, sizeof item->path, many ? "%s/%s/%d" : "%s/%s", group, entry->name, c);
@@ -241,8 +242,12 @@ static void collect_history(struct checkpoint_items *items, const char *group, s
         if (!history_has(&list->model, c))
             continue;
         struct checkpoint_item *item = &items->item[items->n++];
-        *item = (struct checkpoint_item){
-            .type = F64, .count = (size_t)list->count, .data = list->history[c], .list = list, .column = c};
+        *item = (struct checkpoint_item){.type = F64,
+                                         .count = (size_t)list->count,
+                                         .data = list->history[c],
+                                         .columns = 1,
+                                         .list = list,
+                                         .column = c};
         if (field->component >= 0)
             snprintf(item->path, sizeof item->path, "%s/%s/%d", group, field->name, field->component);
         else
@@ -259,7 +264,7 @@ static void collect(struct checkpoint_items *items, struct sample *sample, struc
                                     .axes = p->dimension,
                                     .rotations = p->n_rotations,
                                     .mixed = p->mixed,
-                                    .view_columns = (int)(particles_view_at(p, PARTICLES_BLOCK) / PARTICLES_BLOCK)};
+                                    .view_columns = particles_view_columns(p)};
     items->n = 0;
     if (progress)
         collect_owner(items, OF_PROGRESS, "progress", progress, &particles);
@@ -276,6 +281,16 @@ static void collect(struct checkpoint_items *items, struct sample *sample, struc
         collect_owner(items, OF_LIST, group, list, &model);
         collect_history(items, group, list);
     }
+}
+
+bool checkpoint_item_equal(const struct checkpoint_item *a, const struct checkpoint_item *b)
+{
+    const size_t size = checkpoint_type_size(a->type);
+    const unsigned char *x = a->data, *y = b->data;
+    bool same = a->count == b->count;
+    for (size_t k = 0; same && k < a->count; k++)
+        same = memcmp(x + size * COLUMN_AT(a->columns, k), y + size * COLUMN_AT(b->columns, k), size) == 0;
+    return same;
 }
 
 void *checkpoint_item_gather(const struct checkpoint_item *item)

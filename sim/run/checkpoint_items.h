@@ -13,7 +13,7 @@ struct checkpoint_item {
     size_t count;
     void *data;
     bool late;
-    int columns;               /* of the blocks that the values stand in (particles.h); 0: one after the other */
+    int columns;               /* of the blocks that the values stand in (particles.h); 1: one after the other */
     struct contact_list *list; /* whose column of the history this is: checkpoint_item_read; NULL: none */
     int column;
 };
@@ -32,6 +32,9 @@ struct checkpoint_items *checkpoint_items_of(struct sample *sample, struct run_p
  * hold all of it twice. */
 void checkpoint_item_read(const struct checkpoint_item *item);
 void checkpoint_item_forget(const struct checkpoint_item *item);
+
+/* Whether two items of one path hold the same bits. */
+bool checkpoint_item_equal(const struct checkpoint_item *a, const struct checkpoint_item *b);
 
 /* Values that stand in blocks: one after the other, to be freed (NULL: no memory); and to where they stand. */
 void *checkpoint_item_gather(const struct checkpoint_item *item);
