@@ -695,9 +695,10 @@ static void NAME(wall)(struct particles *p, struct wall *wall, const struct cont
             touching = touching + real_where(real_greater(sides.delta, real_all(0.0)), real_all(1.0));
         }
         NAME(laws)(&chunk, &law, &slots, k, n, &sums);
-        for (int m = 0; m < n; m++)
-            NAME(add_wall)
-            (p->force, wall, k + (size_t)m * LANES, NAME(result_of)(&chunk, &law, &slots, k, m, &sums), columns);
+        for (int m = 0; m < n; m++) {
+            const struct NAME(contact_result) result = NAME(result_of)(&chunk, &law, &slots, k, m, &sums);
+            NAME(add_wall)(p->force, wall, k + (size_t)m * LANES, result, columns);
+        }
     }
     NAME(sums_close)(&sums, &totals);
     NAME(totals_add)(&totals, constants, dt_s, &units, losses);
