@@ -1,9 +1,11 @@
 /* recorder: writes what a run says to run.h5, live from the bus or from an LCM event log. */
+#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "common/command_line.h"
 #include "common/signals.h"
@@ -116,10 +118,18 @@ static enum status repair(const char *directory)
     struct run_counts counts = {0};
     if (snprintf(log, sizeof log, "%s/run.lcm", directory) >= (int)sizeof log)
         return status_fail(STATUS_USAGE, "the path %s is too long", directory);
+    if (access(log, F_OK) != 0 && errno == ENOENT)
+        return status_fail(STATUS_IO,
+                           "no run.lcm in %s: run.h5 is made from that log, which a run that ended well "
+                           "does not keep (./shakedown verify says whether run.h5 is whole)",
+                           directory);
     enum status status = convert_into(log, directory, &counts);
-    if (status == STATUS_OK || status == STATUS_INCOMPLETE)
-        printf("recorder: %s/run.h5 made from the log: %lld samples, %lld frames\n", directory,
-               (long long)counts.samples, (long long)counts.frames);
+    if (status != STATUS_OK && status != STATUS_INCOMPLETE)
+        return status;
+    printf("recorder: %s/run.h5 made from the log: %lld samples, %lld frames\n", directory, (long long)counts.samples,
+           (long long)counts.frames);
+    if (status == STATUS_INCOMPLETE)
+        printf("recorder: the log stops before its run did; go on with: ./shakedown run --resume %s\n", directory);
     return status;
 }
 

@@ -22,7 +22,7 @@ foreach(case usage run broken_scene ports interrupt hang failure restart signals
 endforeach()
 
 # The real processes on scenes/quick.cfg.
-foreach(case run in_process broken_scene two_runs interrupt kill_sim kill_evaluation private odd_names copied_scene)
+foreach(case run in_process broken_scene two_runs interrupt kill_sim kill_evaluation private odd_names repair copied_scene)
   add_test(NAME driver_${case} COMMAND ${CMAKE_CURRENT_LIST_DIR}/test_driver.sh ${case})
   set_tests_properties(driver_${case} PROPERTIES LABELS pipeline TIMEOUT 120 ENVIRONMENT "SHAKEDOWN_BIN=${PROJECT_BINARY_DIR}")
 endforeach()

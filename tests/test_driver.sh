@@ -474,6 +474,21 @@ case_odd_names() {
     [ -n "$(ls -A "./$name-one/csv")" ] || fail "nothing exported"
 }
 
+# What repair says of a log that stops before its run did, and of a folder that kept no log.
+case_repair() {
+    shakedown run "$root/tests/scenes/gentle.cfg" --in-process --out out
+    expect_code 0 $?
+    truncate -s -100 out/run.lcm
+    shakedown repair out
+    expect_code 9 $?
+    expect_text last.out 'go on with: ./shakedown run --resume out'
+    expect_attribute out/run.h5 complete 0
+    rm out/run.lcm
+    shakedown repair out
+    expect_code 5 $?
+    expect_text last.out 'no run.lcm in out'
+}
+
 # The copy of a scene can be run again where it lies, with its sample from a checkpoint beside the original.
 case_copied_scene() {
     mkdir scenes
