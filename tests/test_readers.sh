@@ -60,6 +60,25 @@ for module in h5py MDAnalysis; do
         echo "SKIPPED: $module is not installed"
     fi
 done
+# The same example as a notebook: a kernel of Jupyter runs it, and keeps the file open.
+cat >notebook.py <<'PYTHON'
+import nbformat
+from nbclient import NotebookClient
+
+cells = [nbformat.v4.new_code_cell(open("example.py").read()), nbformat.v4.new_code_cell("print(bool(run), 'still open')")]
+notebook = nbformat.v4.new_notebook(cells=cells)
+NotebookClient(notebook, timeout=60, kernel_name="python3").execute()
+for cell in notebook.cells:
+    print("".join(output.text for output in cell.outputs if output.name == "stdout"), end="")
+PYTHON
+python=$(python_with 'h5py, nbclient, ipykernel')
+if [ -n "$python" ]; then
+    example python 'import h5py' >example.py
+    try notebook '^complete 1 status 0' "$python" notebook.py
+    grep -q '^True still open$' said.txt || fail "the file was closed"
+else
+    echo "SKIPPED: h5py, nbclient or ipykernel is not installed"
+fi
 if command -v pvpython >/dev/null; then
     example pvpython 'from paraview' >example.py
     try "ParaView, Xdmf 3" '^frames [1-9][0-9]* points 300$' pvpython example.py
