@@ -103,6 +103,36 @@ static void the_ledger_names_a_change_of_material(void **unused)
     fixture_close(&fixture);
 }
 
+/* A particle that two walls hold at an overlap d each, k d^2 = 1e-6 J: work that shows nowhere is all that passed, and
+ * is doubted, above 1 % of the scale, where it is more than 1e-5 of what is held, and not below. */
+static void a_residual_is_held_against_what_passed_or_a_thousandth_of_what_is_held(void **unused)
+{
+    const double overlap = sqrt(1e-6 / STIFFNESS), held_j = 1e-6;
+    (void)unused;
+    struct fixture_options options = {.dimension = 2, .count = 1, .dt_s = 1e-6, .material = "kn_n_per_m = 1e5;"};
+    struct fixture fixture = fixture_open(&options);
+    struct sample *sample = fixture.sample;
+    struct measurement m;
+    sample->walls[0].x = sample->particles.x[0][0] - RADIUS + overlap;
+    sample->walls[1].x = sample->particles.x[0][0] + RADIUS - overlap;
+    must(sample_build_lists(sample));
+    fixture_run(&fixture, 5);
+    const struct {
+        double missing_j, ratio; /* of the residual to the scale */
+    } cases[] = {{0.3e-5 * held_j, 0.003}, {3e-5 * held_j, 0.03}, {1e-3 * held_j, 1}, {0.1 * held_j, 1}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        must(measure(sample_complete(sample), &m));
+        const double before_j = m.residual_j;
+        sample->ledger.work_walls += cases[k].missing_j;
+        must(measure(sample_complete(sample), &m));
+        assert_true(fabs(fabs(m.residual_j - before_j) / cases[k].missing_j - 1) < 1e-6);
+        assert_true(fabs(fabs(m.residual_j - before_j) / measure_ledger_scale_j(sample, &m) / cases[k].ratio - 1) <
+                    1e-6);
+        sample->ledger.work_walls -= cases[k].missing_j;
+    }
+    fixture_close(&fixture);
+}
+
 /* One disc in a box at rest in x: a strain e in z makes its solid fraction phi/(1 - e), and a disc bears
  * 1/(1 - 0.3/2)^2 = 1.384. */
 static void a_strain_leaves_room(void **unused)
@@ -247,6 +277,7 @@ int main(void)
         cmocka_unit_test(the_stable_step_is_where_a_contact_starts_to_grow),
         cmocka_unit_test(the_limit_of_one_size_is_the_closed_form),
         cmocka_unit_test(the_ledger_names_a_change_of_material),
+        cmocka_unit_test(a_residual_is_held_against_what_passed_or_a_thousandth_of_what_is_held),
         cmocka_unit_test(a_strain_leaves_room),
         cmocka_unit_test(free_flight_is_straight),
         cmocka_unit_test(particles_that_pass_through_each_other_are_seen),

@@ -73,6 +73,17 @@ double measure_turnover_j(const struct sample *sample, const struct measurement 
     return fmax(fmax(work, losses), fmax(stored, ledger->kinetic_start));
 }
 
+/* A residual of 1 % of it is 1e-5 of the energy held, which goes with the square of the stress. */
+const double MEASURE_HELD_PART = 1e-3;
+
+double measure_ledger_scale_j(const struct sample *sample, const struct measurement *m)
+{
+    const struct ledger *ledger = &sample->ledger;
+    const double now = m->kinetic_j + m->elastic_normal_j + m->elastic_tangential_j;
+    const double held = fmax(now, ledger->kinetic_start + ledger->elastic_start);
+    return fmax(measure_turnover_j(sample, m), MEASURE_HELD_PART * held);
+}
+
 /* Contacts of each particle, those with rattlers left out; returns the number of contact ends counted. */
 static int count_degrees(const struct contact_survey *contacts, const bool *rattler, int *degree)
 {

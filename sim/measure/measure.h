@@ -26,6 +26,12 @@ double measure_inertial_number(const struct sample *sample);
  * the start. A stage that only comes to rest does no work, so that work alone is no measure. */
 double measure_turnover_j(const struct sample *sample, const struct measurement *m);
 
+/* What a residual is doubted against [J]: the turnover, but not less than MEASURE_HELD_PART of the energy, elastic and
+ * kinetic, that is held at the start or now. A stage in which hardly anything passes has a turnover next to nothing,
+ * and rounding and the first step leave more than that: 1e-7 to 1e-6 of what is held. */
+double measure_ledger_scale_j(const struct sample *sample, const struct measurement *m);
+extern const double MEASURE_HELD_PART;
+
 /* Errors: STATUS_NO_MEMORY; STATUS_UNSTABLE if the energies are not finite. */
 enum status measure(struct complete_sample whole, struct measurement *m) MUST_USE;
 

@@ -200,7 +200,7 @@ static void stress_text(const struct run *run, char *text, size_t size)
 
 /* A loss below zero is energy out of nothing. How a spring that slides shares its loss with its dashpot is a convention
  * (docs/theory.md): what counts is their sum. */
-static enum status judge_losses(struct run *run, double turnover_j)
+static enum status judge_losses(struct run *run, double scale_j)
 {
     const struct contact_losses *lost = &run->sample->ledger.contacts;
     const struct {
@@ -212,30 +212,41 @@ static enum status judge_losses(struct run *run, double turnover_j)
                  {"rolling resistance", lost->rolling + lost->viscous_rolling},
                  {"background damping", run->sample->ledger.background}};
     for (size_t k = 0; k < sizeof terms / sizeof *terms; k++)
-        if (terms[k].loss_j < -OPEN_LEDGER * turnover_j)
+        if (terms[k].loss_j < -OPEN_LEDGER * scale_j)
             TRY(add_note(run, NOTE_DOUBTFUL, "%s gained %.2g J, %.2g %% of the energy that passed: dt_s is too long",
-                         terms[k].name, -terms[k].loss_j, -100 * terms[k].loss_j / turnover_j));
+                         terms[k].name, -terms[k].loss_j, -100 * terms[k].loss_j / scale_j));
     return STATUS_OK;
 }
 
 static enum status judge_ledger(struct run *run, const struct measurement *m)
 {
-    const double turnover_j = measure_turnover_j(run->sample, m);
-    if (!(turnover_j > 0))
+    const double scale_j = measure_ledger_scale_j(run->sample, m);
+    if (!(scale_j > 0))
         return STATUS_OK;
-    const double ratio = fabs(m->residual_j) / turnover_j;
+    const double ratio = fabs(m->residual_j) / scale_j;
     if (!(ratio <= OPEN_LEDGER))
         TRY(add_note(run, NOTE_DOUBTFUL,
                      "the energy ledger does not close: residual %.3g J, %.2g %% of the energy that passed; a smaller "
                      "dt_s would help",
                      m->residual_j, 100 * ratio));
-    return judge_losses(run, turnover_j);
+    return judge_losses(run, scale_j);
+}
+
+/* "0.44 of the energy that passed", and what it is held against where that is next to nothing. */
+static void residual_text(const struct run *run, const struct measurement *m, char *text, size_t size)
+{
+    const double turnover_j = measure_turnover_j(run->sample, m), scale_j = measure_ledger_scale_j(run->sample, m);
+    const int used =
+        snprintf(text, size, "%.2g of the energy that passed", turnover_j > 0 ? m->residual_j / turnover_j : 0);
+    if (scale_j > turnover_j && used > 0 && (size_t)used < size)
+        snprintf(text + used, size - (size_t)used, ", %.2g of what is held",
+                 MEASURE_HELD_PART * m->residual_j / scale_j);
 }
 
 enum status run_judge_stage_end(struct run *run, int ended)
 {
     struct measurement m;
-    char stress[TEXT_MAX / 2];
+    char stress[TEXT_MAX / 2], residual[128];
     if (run->options->replay)
         return STATUS_OK;
     const struct complete_sample whole = sample_complete(run->sample);
@@ -249,14 +260,13 @@ enum status run_judge_stage_end(struct run *run, int ended)
         TRY(add_note(run, NOTE_PLAIN,
                      "the sample has come apart: its contacts hold %.2g of the elastic energy of the start",
                      held_j / held_start_j));
-    const double turnover_j = measure_turnover_j(run->sample, &m);
+    residual_text(run, &m, residual, sizeof residual);
     TRY(add_note(
         run, NOTE_PLAIN,
         "ended by %s after %g s%s; inertial number %.2g (mean), %.2g (largest); largest overlap %.2g of the radius; "
-        "ledger residual %.2g of the energy that passed",
+        "ledger residual %s",
         stage_end_text(ended), (double)run->sample->stage_step * run->sample->dt, stress,
-        watch->inertial_sum / watch->looks, watch->inertial_max, watch->overlap_ratio,
-        turnover_j > 0 ? m.residual_j / turnover_j : 0));
+        watch->inertial_sum / watch->looks, watch->inertial_max, watch->overlap_ratio, residual));
     return judge_ledger(run, &m);
 }
 
