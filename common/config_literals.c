@@ -127,6 +127,17 @@ static enum status put_integer(struct scan *scan, const char *literal, bool hexa
     return STATUS_OK;
 }
 
+/* What may not follow a number at once: without this, 1e4+0 would be written as 1e40, 3L5 as 35. */
+static enum status check_number_ends(const struct scan *scan, const char *literal)
+{
+    const char *at = scan->at;
+    if (!is_name_part(*at) && !is_number_start(at) && *at != '+' && *at != '"')
+        return STATUS_OK;
+    char text[LITERAL_MAX + 2];
+    snprintf(text, sizeof text, "%s%c", literal, *at);
+    return refuse(scan, text, "is not a number");
+}
+
 static enum status put_number(struct scan *scan)
 {
     char literal[LITERAL_MAX];
@@ -138,10 +149,12 @@ static enum status put_number(struct scan *scan)
     literal[length] = '\0';
     scan->at = end;
     bool hexadecimal = strpbrk(literal, "xX") != NULL;
-    if (!hexadecimal && strpbrk(literal, ".eE"))
-        return put_float(scan, literal);
-    for (int k = 0; k < 2 && *scan->at == 'L'; k++)
+    const bool integer = hexadecimal || !strpbrk(literal, ".eE");
+    for (int k = 0; integer && k < 2 && *scan->at == 'L'; k++)
         scan->at++; /* the suffix follows from the value */
+    TRY(check_number_ends(scan, literal));
+    if (!integer)
+        return put_float(scan, literal);
     return put_integer(scan, literal, hexadecimal);
 }
 

@@ -135,7 +135,7 @@ static double number_of(const config_setting_t *setting)
 static enum status check_range(const config_setting_t *setting, const struct key *key, const char *where, double value)
 {
     char range[96];
-    if (!(value >= key->min && value <= key->max))
+    if (!isfinite(value) || !(value >= key->min && value <= key->max))
         return config_fail(setting, where, "%g is out of range; allowed: %s", value,
                            range_text(key, range, sizeof range));
     return STATUS_OK;

@@ -47,7 +47,8 @@ expect 3 '--set: 1e999 is too large for a number' "$good" --set material.gamma_n
 expect 3 '--set: -9223372036854775809 is too large for an integer' "$good" --set seed=-9223372036854775809
 expect 0 '' "$good" --set 'stages.1.frame_strains=[0, 0.005]'
 expect 0 '' "$good" --seed 3000000000
-expect 2 "'1e' is not a value in libconfig syntax" "$good" --set 'material.mu_s=1e'
+expect 2 "'}' is not a value in libconfig syntax" "$good" --set 'material.mu_s=}'
+expect 3 '--set: 1e is not a number' "$good" --set 'material.mu_s=1e'
 expect 2 "'2; dimension = 3' is not a value in libconfig syntax" "$good" --set 'seed=2; dimension = 3'
 expect 3 "the list has no member '2' of this kind" "$good" --set stages.1.frame_strains.2=0.02
 expect 3 "the list has no member '0' of this kind" "$good" --set stages.1.frame_strains.0=first

@@ -71,6 +71,29 @@ static void numbers_are_taken_exactly(void **unused)
     dispose(scene);
 }
 
+/* What stands at once behind a number is part of it: written anew beside each other, 1e4 and +04 would be 1e404. */
+static void numbers_end_where_they_end(void **unused)
+{
+    static const char *const wrong[] = {"a = 1e4+0+4;", "a = 1e4+0;",    "a = 3L5;",    "a = 5-3;",
+                                        "a = 1.5.5;",   "a = 1.5e3e2;",  "a = 2\"b\";", "a = 7b;",
+                                        "a = 0x1fg;",   "a = [1, 2+3];", "a = 1e4L;",   "a = 1e;"};
+    static const char *const right[] = {"a = 1;",    "a = (1,2);", "a = {b = 1;}",  "a = [1]",
+                                        "a = 1// b", "a = 1#",     "a = 1/* 2 */;", "a = 1\n"};
+    (void)unused;
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        char *checked;
+        assert_int_equal(config_literals(wrong[k], "text", &checked), STATUS_CONFIG);
+        assert_null(checked);
+        assert_non_null(strstr(status_message(), "text:1: "));
+        assert_non_null(strstr(status_message(), "is not a number"));
+    }
+    for (size_t k = 0; k < sizeof right / sizeof *right; k++) {
+        char *checked;
+        assert_int_equal(config_literals(right[k], "text", &checked), STATUS_OK);
+        free(checked);
+    }
+}
+
 /* Radius 1 mm, 2000 kg/m^3, k = 1e5 N/m: m = 8.378e-6 kg, t_c = pi sqrt(m/(2 k)) = 2.0333e-5 s, a twentieth
  * is 1.01665e-6 s. Uniform radii of 0.5 to 1.5 mm: the mean mass is 1.047e-5 kg, a twentieth 1.1366e-6 s; the smallest
  * one 1.047e-6 kg, a seventh 1.0269e-6 s, which is less. gamma = 10 kg/s bears about 1/lambda, lambda = 1.5 gamma (1/m
@@ -183,6 +206,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_are_taken_exactly),
+        cmocka_unit_test(numbers_end_where_they_end),
         cmocka_unit_test(a_time_step_follows_from_the_scene),
         cmocka_unit_test(stiff_rolling_shortens_the_time_step),
         cmocka_unit_test(groups_are_repeated),
