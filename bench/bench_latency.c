@@ -1,8 +1,9 @@
 /* bench_latency [--json FILE] [--rounds N]: where an exchange between sim and wallctl spends its time. Two processes
  * answer each other, layer by layer: a byte through pipes (one wake-up each way), a datagram over multicast loopback
  * (sockets added), LCM (its receiver thread, queue and pipe added), wall messages and the control law (encoding,
- * checks, physics added); then with a third process on the same bus, and with waits that do not sleep. Least and median
- * of many rounds in microseconds, context switches per round of both processes. */
+ * checks, physics added); then with a third process on the same bus, with waits that do not sleep, and with a pause of
+ * 0.1 ms before each round in which the asking process computes, as sim does between exchanges. Least and median of
+ * many rounds in microseconds, context switches per round of both processes. */
 #include <arpa/inet.h>
 #include <jansson.h>
 #include <signal.h>
@@ -29,7 +30,8 @@ struct end {
     struct sockaddr_in group;
     struct bus bus;
     const struct scene *scene;
-    bool busy, law, direct, is_server;
+    enum bus_patience patience;
+    bool law, direct, is_server;
     int64_t seen;
 };
 
@@ -37,7 +39,9 @@ struct layer {
     const char *name, *what;
     void (*open)(struct end *end);
     void (*round)(struct end *end, int64_t k);
-    bool law, listener, direct, busy;
+    bool law, listener, direct;
+    enum bus_patience patience;
+    double pause_s; /* before a round */
 };
 
 static void must(bool good, const char *what)
@@ -147,7 +151,7 @@ static void lcm_wait(struct end *end, int64_t k)
 {
     bool handled = true;
     while (end->seen != k && handled)
-        must_ok(bus_wait(&end->bus, 1e-3 * GIVE_UP_MS, end->busy, &handled));
+        must_ok(bus_wait(&end->bus, 1e-3 * GIVE_UP_MS, end->patience, &handled));
     if (!handled) {
         fprintf(stderr, "bench_latency: error: a message was lost\n");
         exit(STATUS_TIMEOUT);
@@ -208,14 +212,19 @@ static const char scene_text[] =
     "  z = { mode = \"strain\"; strain = 0.035; frequency_hz = 10.0; }; };\n"
     "stages = ( { name = \"a\"; dt_s = 1e-3; duration_s = 1e6; } );\n";
 
+static const double PAUSE_S = 1e-4;
 static const struct layer layers[] = {
-    {"pipe", "one byte through a pipe and back", pipe_open, pipe_round, false, false, false, false},
-    {"datagram", "500 bytes over multicast loopback and back", socket_open, socket_round, false, false, false, false},
-    {"lcm", "the same through LCM", lcm_open, lcm_round, false, false, false, false},
-    {"law", "wall messages, with the control law", lcm_open, lcm_round, true, false, false, false},
-    {"listener", "with a third process on the bus", lcm_open, lcm_round, true, true, false, false},
-    {"direct", "received in the own thread, the rest filtered", lcm_open, lcm_round, true, true, true, false},
-    {"busy", "without sleeping (coupling.busy_poll)", lcm_open, lcm_round, true, true, true, true},
+    {"pipe", "one byte through a pipe and back", pipe_open, pipe_round, false, false, false, BUS_SLEEP, 0},
+    {"datagram", "500 bytes over multicast loopback and back", socket_open, socket_round, false, false, false,
+     BUS_SLEEP, 0},
+    {"lcm", "the same through LCM", lcm_open, lcm_round, false, false, false, BUS_SLEEP, 0},
+    {"law", "wall messages, with the control law", lcm_open, lcm_round, true, false, false, BUS_SLEEP, 0},
+    {"listener", "with a third process on the bus", lcm_open, lcm_round, true, true, false, BUS_SLEEP, 0},
+    {"direct", "received in the own thread, the rest filtered", lcm_open, lcm_round, true, true, true, BUS_SLEEP, 0},
+    {"looking", "looking for it while nobody else wants the core", lcm_open, lcm_round, true, true, true, BUS_LOOK, 0},
+    {"busy", "always looking (coupling.busy_poll)", lcm_open, lcm_round, true, true, true, BUS_BUSY, 0},
+    {"direct, p", "direct, with a pause before each", lcm_open, lcm_round, true, true, true, BUS_SLEEP, PAUSE_S},
+    {"looking, p", "looking, with a pause before each", lcm_open, lcm_round, true, true, true, BUS_LOOK, PAUSE_S},
 };
 
 static int by_size(const void *a, const void *b)
@@ -252,7 +261,7 @@ static json_t *measure(const struct layer *layer, const struct scene *scene, int
     must(server >= 0, "fork");
     struct end end = {.scene = scene,
                       .law = layer->law,
-                      .busy = layer->busy,
+                      .patience = layer->patience,
                       .direct = layer->direct,
                       .in = back[0],
                       .out = there[1]};
@@ -270,7 +279,10 @@ static json_t *measure(const struct layer *layer, const struct scene *scene, int
     for (int64_t k = 0; k < rounds + WARM_UP; k++) {
         if (k == WARM_UP)
             before = switches(RUSAGE_SELF);
-        double start = clock_now_s();
+        const double until_s = clock_now_s() + layer->pause_s;
+        while (clock_now_s() < until_s)
+            continue;
+        const double start = clock_now_s();
         layer->round(&end, k);
         if (k >= WARM_UP)
             round_us[k - WARM_UP] = 1e6 * (clock_now_s() - start);

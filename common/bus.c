@@ -350,15 +350,36 @@ enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled)
     return handle_within(bus, 1e-3 * timeout_ms, handled);
 }
 
-enum status bus_wait(struct bus *bus, double timeout_s, bool busy, bool *handled)
+/* Looks until `until_s`; `patient`: goes on for as long as short_wait_looks says. Others who wait for this core go
+ * first: the recorder, or the one waited for. */
+static enum status look(struct bus *bus, double until_s, bool patient, bool *handled)
 {
-    if (!busy)
-        return handle_within(bus, timeout_s, handled);
-    const double until = clock_now_s() + timeout_s;
-    for (;;) {
+    double now_s = clock_now_s();
+    do {
+        const double start_s = now_s;
         TRY(handle_within(bus, 0, handled));
-        if (*handled || clock_now_s() >= until)
+        if (*handled)
             return STATUS_OK;
-        sched_yield(); /* whoever else waits for this core goes first: the recorder, or the one waited for */
-    }
+        const double looked_s = clock_now_s();
+        sched_yield();
+        now_s = clock_now_s();
+        short_wait_note_look(&bus->wait, looked_s - start_s, now_s - looked_s, now_s);
+    } while (now_s < until_s && (!patient || short_wait_looks(&bus->wait, now_s)));
+    return STATUS_OK;
+}
+
+enum status bus_wait(struct bus *bus, double timeout_s, enum bus_patience patience, bool *handled)
+{
+    const double start_s = clock_now_s(), end_s = start_s + timeout_s;
+    *handled = false;
+    if (patience == BUS_SLEEP || bus->log || bus->replay)
+        return handle_within(bus, timeout_s, handled);
+    if (patience == BUS_BUSY)
+        return look(bus, end_s, false, handled);
+    if (short_wait_looks(&bus->wait, start_s))
+        TRY(look(bus, fmin(end_s, start_s + SHORT_WAIT_S), true, handled));
+    if (!*handled)
+        TRY(handle_within(bus, fmax(0, end_s - clock_now_s()), handled));
+    short_wait_note(&bus->wait, clock_now_s() - start_s);
+    return STATUS_OK;
 }

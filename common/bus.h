@@ -10,6 +10,7 @@
 
 #include "common/event_log.h"
 #include "common/message_seal.h"
+#include "common/short_wait.h"
 #include "common/status.h"
 
 /* Recorded channels, in the order of record_ack_t.next_seq. */
@@ -49,6 +50,7 @@ struct bus {
     struct message_seal *seal;   /* messages without it are not ours; NULL: all are taken */
     struct listener *listeners;  /* of a sealed bus */
     struct event_reader *replay; /* a log that is read: its messages come through an LCM of this process alone */
+    struct short_wait wait;      /* of BUS_LOOK */
 };
 
 /* Opens `url`; NULL or "" means $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0. A udpm URL without
@@ -90,9 +92,12 @@ enum status bus_publish(struct bus *bus, const char *channel, const void *data, 
  * Not to be called from a handler. */
 enum status bus_handle(struct bus *bus, int timeout_ms, bool *handled) MUST_USE;
 
-/* The same, timed to a fraction of a millisecond; `busy` looks again and again instead of sleeping: answers come
- * sooner, and a core is always busy. */
-enum status bus_wait(struct bus *bus, double timeout_s, bool busy, bool *handled) MUST_USE;
+/* How a message is waited for: asleep; looking for it while short waits are expected and nobody else wants the core
+ * (common/short_wait.h); or looking without end. */
+enum bus_patience { BUS_SLEEP, BUS_LOOK, BUS_BUSY };
+
+/* The same, timed to a fraction of a millisecond. */
+enum status bus_wait(struct bus *bus, double timeout_s, enum bus_patience patience, bool *handled) MUST_USE;
 
 /* Monotonic wall-clock time in seconds. */
 double clock_now_s(void);

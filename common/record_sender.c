@@ -469,7 +469,7 @@ enum status record_sender_wait_for_walls(struct record_sender *stream, int64_t s
     if (stream->bus->is_log)
         return STATUS_OK;
     while (seq - stream->acked_walls >= WALLS_WINDOW) {
-        TRY(bus_wait(stream->bus, WAIT_STEP_S, false, &handled));
+        TRY(bus_wait(stream->bus, WAIT_STEP_S, BUS_SLEEP, &handled));
         TRY(record_sender_service(stream));
     }
     return STATUS_OK;
@@ -531,7 +531,7 @@ static enum status waiting_reduce(struct record_sender *stream, size_t bytes)
     bool handled = false;
     TRY(record_sender_service(stream));
     while (stream->waiting_bytes > bytes) {
-        TRY(bus_wait(stream->bus, WAIT_STEP_S, false, &handled));
+        TRY(bus_wait(stream->bus, WAIT_STEP_S, BUS_SLEEP, &handled));
         TRY(record_sender_service(stream));
     }
     return STATUS_OK;

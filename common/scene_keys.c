@@ -413,7 +413,9 @@ static const struct key coupling_keys[] = {
     {"tolerance", KEY_FLOAT, OF(scene_coupling, tolerance), NULL, 1e-9, 1, "1e-3", NULL, NULL,
      "adaptive: energy mismatch at the walls over their work, wanted in each interval"},
     {"busy_poll", KEY_BOOL, OF(scene_coupling, busy_poll), NULL, 0, 0, "false", NULL, NULL,
-     "sim and wallctl wait for each other without sleeping: shorter waits, but a core each is always busy"},
+     "sim and wallctl wait for each other without ever sleeping; false: without sleeping where waits are short and "
+     "nobody "
+     "else wants the core"},
     {"timeout_s", KEY_FLOAT, OF(scene_coupling, timeout_s), "s", 0.1, 86400, "180", NULL, NULL,
      "sim gives up after this long without an answer from wallctl or the recorder"},
     {0}};

@@ -304,13 +304,75 @@ static void short_waits_are_short(void **unused)
     for (int k = 0; k < 50; k++) {
         bool handled;
         const double start_s = clock_now_s();
-        must(bus_wait(&bus, 0.0005, false, &handled));
+        must(bus_wait(&bus, 0.0005, BUS_SLEEP, &handled));
         const double took_s = clock_now_s() - start_s;
         assert_false(handled);
         assert_true(took_s >= 0.0005);
         shortest_s = took_s < shortest_s ? took_s : shortest_s;
     }
     assert_true(shortest_s < 0.002);
+    bus_close(&bus);
+}
+
+/* Looks while the last wait was short; not any more once others had a quarter of the time over 10 ms: for 0.1 s, 0.2 s
+ * ... 10 s. */
+static void waits_look_while_the_core_is_to_be_had(void **unused)
+{
+    struct short_wait wait = {0};
+    double now_s = 100;
+    (void)unused;
+    assert_true(short_wait_looks(&wait, now_s));
+    short_wait_note(&wait, 1.1 * SHORT_WAIT_S);
+    assert_false(short_wait_looks(&wait, now_s));
+    short_wait_note(&wait, 0.9 * SHORT_WAIT_S);
+    assert_true(short_wait_looks(&wait, now_s));
+    for (int k = 0; k < 100000; k++) { /* nobody takes it: a yield of 1 us; 0.1 s in all */
+        now_s += 2e-6;
+        short_wait_note_look(&wait, 1e-6, 1e-6, now_s);
+        assert_true(short_wait_looks(&wait, now_s));
+    }
+    for (int k = 0; k < 100; k++) { /* a recorder that takes 0.2 ms of each 2 ms */
+        now_s += 2e-3;
+        short_wait_note_look(&wait, 1.8e-3, 2e-4, now_s);
+        assert_true(short_wait_looks(&wait, now_s));
+    }
+    int looks = 0;
+    for (double end_s = now_s + 20; now_s < end_s; now_s += 4e-3) { /* a program that computes takes each yield */
+        if (!short_wait_looks(&wait, now_s))
+            continue;
+        looks++;
+        short_wait_note_look(&wait, 1e-6, 4e-3, now_s);
+    }
+    assert_int_equal(looks, 3 * 8); /* three to a window, after 0, 0.1, 0.3, 0.7, 1.5, 3.1, 6.3 and 12.7 s */
+    for (int k = 0; k < 100; k++) { /* it has ended */
+        now_s += 12;
+        short_wait_note_look(&wait, 1e-2, 1e-6, now_s);
+        assert_true(short_wait_looks(&wait, now_s));
+    }
+    short_wait_note_look(&wait, 1e-6, 2e-2, now_s);
+    assert_false(short_wait_looks(&wait, now_s + 0.09));
+    assert_true(short_wait_looks(&wait, now_s + 0.11));
+}
+
+/* A message that comes is taken by each way of waiting, and none that comes is waited for no longer than asked. */
+static void all_ways_of_waiting_hear_the_same(void **unused)
+{
+    struct bus bus;
+    struct heard asked;
+    (void)unused;
+    must(bus_open_direct(&bus, NULL));
+    must(bus_subscribe(&bus, "ASKED", hear, &asked));
+    for (int way = BUS_SLEEP; way <= BUS_BUSY; way++) {
+        bool handled;
+        asked = (struct heard){0};
+        must(bus_publish(&bus, "ASKED", "yes", 3));
+        must(bus_wait(&bus, 5, (enum bus_patience)way, &handled));
+        assert_true(handled && asked.count == 1 && asked.size == 3);
+        const double start_s = clock_now_s();
+        must(bus_wait(&bus, 0.003, (enum bus_patience)way, &handled));
+        assert_false(handled);
+        assert_true(clock_now_s() - start_s >= 0.003);
+    }
     bus_close(&bus);
 }
 
@@ -942,6 +1004,8 @@ int main(void)
         cmocka_unit_test(direct_hears_what_lcm_says),
         cmocka_unit_test(direct_drops_nonsense),
         cmocka_unit_test(short_waits_are_short),
+        cmocka_unit_test(waits_look_while_the_core_is_to_be_had),
+        cmocka_unit_test(all_ways_of_waiting_hear_the_same),
         cmocka_unit_test(a_missing_route_is_named),
         cmocka_unit_test(wrong_urls_are_refused),
         cmocka_unit_test(a_log_ends_without_an_error),

@@ -90,7 +90,7 @@ static enum status loop(struct controller *c)
     double stop_at_s = 0; /* 0: not asked to */
     while (!c->ended && c->failure == STATUS_OK) {
         bool handled = false;
-        TRY(bus_wait(c->bus, WAIT_STEP_S, c->scene->coupling.busy_poll, &handled));
+        TRY(bus_wait(c->bus, WAIT_STEP_S, c->scene->coupling.busy_poll ? BUS_BUSY : BUS_LOOK, &handled));
         if (!stop_requested())
             continue;
         if (stop_at_s <= 0)

@@ -186,11 +186,12 @@ static double resend_after_s(const struct exchange *exchange)
 static enum status wait_for_answer(struct exchange *exchange)
 {
     const struct wall_state *state = &exchange->asked;
+    const enum bus_patience patience = exchange->scene->coupling.busy_poll ? BUS_BUSY : BUS_LOOK;
     double start = clock_now_s(), sent = start;
     while (!exchange->answered) {
         bool handled;
         const double again = sent + resend_after_s(exchange);
-        TRY(bus_wait(exchange->bus, fmax(0, again - clock_now_s()), exchange->scene->coupling.busy_poll, &handled));
+        TRY(bus_wait(exchange->bus, fmax(0, again - clock_now_s()), patience, &handled));
         if (exchange->answered)
             break;
         if (stop_requested() && clock_now_s() - start > STOP_PATIENCE_S)
@@ -213,7 +214,7 @@ enum status exchange_settle(struct exchange *exchange)
     const double start = clock_now_s();
     while (exchange->open && !exchange->answered && clock_now_s() - start < STOP_PATIENCE_S) {
         bool handled;
-        TRY(bus_wait(exchange->bus, resend_after_s(exchange), false, &handled));
+        TRY(bus_wait(exchange->bus, resend_after_s(exchange), BUS_SLEEP, &handled));
         if (!handled)
             TRY(state_repeat(exchange));
     }
