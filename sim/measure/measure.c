@@ -172,7 +172,7 @@ enum status measure(struct complete_sample whole, struct measurement *m)
     const bool memory = touching && degree && rattler;
     memset(m, 0, sizeof *m);
     if (memory) {
-        contact_survey_make(whole, true, &contacts);
+        contact_survey_make(whole, &contacts);
         measure_contact_state(sample, &contacts, m);
         measure_box(sample, m);
         m->inertial_number = measure_inertial_number(sample);

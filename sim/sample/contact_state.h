@@ -2,12 +2,8 @@
 #ifndef SHAKEDOWN_SIM_SAMPLE_CONTACT_STATE_H
 #define SHAKEDOWN_SIM_SAMPLE_CONTACT_STATE_H
 
+#include "sim/sample/contact_geometry.h"
 #include "sim/sample/sample.h"
-
-/* Of a candidate: overlap (<= 0: open), unit normal from j or the wall to i, and distance along it [m]. */
-struct contact_geometry {
-    double overlap, n[3], distance;
-};
 
 /* Of candidate k of list l (sample_list), from positions as they are in double. */
 struct contact_geometry contact_geometry_at(const struct sample *sample, int l, int k);
@@ -22,10 +18,13 @@ struct contact_survey {
     double max_overlap_ratio;
     double stress[9], fabric[9]; /* sums over contacts; fabric over those between particles */
     int pairs, walls, sliding;
-    int32_t *i, *j; /* [candidates] touching particles, j < 0: a wall; NULL: not wanted, nor all but the energies */
+    int32_t *i, *j; /* [candidates] touching particles, j < 0: a wall */
 };
 
-/* Adds all contacts to `sum`; `state`: with all but the energies, too. */
-void contact_survey_make(struct complete_sample whole, bool state, struct contact_survey *sum);
+/* Adds all contacts to `sum`. */
+void contact_survey_make(struct complete_sample whole, struct contact_survey *sum);
+
+/* The elastic energy of all contacts [J]: of normal forces and of springs, those of rolling and torsion among them. */
+double contact_state_elastic_j(struct complete_sample whole);
 
 #endif

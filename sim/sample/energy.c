@@ -28,9 +28,7 @@ double energy_potential_j(struct complete_sample whole)
 
 struct held_energy energy_held(struct complete_sample whole)
 {
-    struct contact_survey sum = {0};
-    contact_survey_make(whole, false, &sum);
-    return (struct held_energy){energy_kinetic_j(whole), sum.elastic_normal_j + sum.elastic_tangential_j};
+    return (struct held_energy){energy_kinetic_j(whole), contact_state_elastic_j(whole)};
 }
 
 struct ledger energy_ledger_start(struct complete_sample whole)
