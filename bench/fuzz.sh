@@ -28,6 +28,8 @@ fuzz=$root/build-fuzz
 programs=("${targets[@]/#/fuzz_}")
 programs=("${programs[@]/%/_fuzzer}")
 mkdir -p "$fuzz"
+exec 9>"$fuzz/lock"
+flock 9 # targets may be fuzzed side by side, but built one after the other
 cmake -S "$root" --preset fuzz >"$fuzz/build.log" 2>&1 || { cat "$fuzz/build.log" && exit 1; }
 cmake --build "$fuzz" --target fuzz_seeds "${programs[@]}" >>"$fuzz/build.log" 2>&1 ||
     { tail -n 40 "$fuzz/build.log" && exit 1; }
@@ -39,6 +41,7 @@ if [[ " ${targets[*]} " == *" checkpoint "* ]]; then
     rm -f "$fuzz/checkpoint.h5"
     "$bin/sim/sim" "$root/tests/scenes/small.cfg" --in-process --checkpoint "$fuzz/checkpoint.h5" >/dev/null
 fi
+exec 9>&-
 export FUZZ_CHECKPOINT=$fuzz/checkpoint.h5
 export LSAN_OPTIONS=suppressions=$root/tests/fuzz/leaks.supp:print_suppressions=0
 failed=0
