@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "common/wall_target.h"
+#include "common/pressure_target.h"
 
 /* Sums of |deviation| and of what it is measured by. */
 struct tally {
@@ -67,7 +67,7 @@ static enum kept_quantity kept_by(const struct scene_axis *axis)
 
 static void coupled_add(const struct scene_axis *axis, const struct point *at, double volume_m3, struct tally *tally)
 {
-    const double target_pa = wall_target_pressure_pa(axis, at->time_s);
+    const double target_pa = pressure_target_pa(axis, at->time_s);
     switch (axis->keep) {
     case KEEP_P:
         tally_add(&tally[KEPT_P], at->p_pa - target_pa, target_pa);
@@ -99,7 +99,7 @@ void control_quality_find(const struct run *run, int stage, size_t begin, size_t
         const struct point at = point_at(run, k);
         for (int slot = 0; slot < run->dimension; slot++) {
             const struct scene_axis *axis = &run->scene->stage[stage].axis[scene_pair_axis(run->scene, slot)];
-            const double target_pa = axis->mode == WALL_STRESS ? wall_target_pressure_pa(axis, at.time_s) : NAN;
+            const double target_pa = axis->mode == WALL_STRESS ? pressure_target_pa(axis, at.time_s) : NAN;
             if (axis->mode == WALL_COUPLED)
                 coupled_add(axis, &at, volume_m3, tally);
             else

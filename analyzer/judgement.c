@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "analyzer/control_quality.h"
-#include "common/wall_target.h"
+#include "common/pressure_target.h"
 
 const double judgement_residual_doubtful = 0.01;
 const double judgement_overlap_note = 0.05, judgement_overlap_failed = 0.3;
@@ -138,9 +138,8 @@ void judgement_stress_error(const struct run *run, int stage, size_t begin, size
     for (size_t k = begin; k < end && !run->controller[0]; k++) /* whose targets are not in the record */
         for (int slot = 0; slot < run->dimension; slot++) {
             const struct scene_axis *axis = &run->scene->stage[stage].axis[scene_pair_axis(run->scene, slot)];
-            const double target = axis->mode == WALL_STRESS
-                                      ? wall_target_pressure_pa(axis, *run_record(run, OBSERVABLE_STAGE_TIME, k))
-                                      : NAN;
+            const double target =
+                axis->mode == WALL_STRESS ? pressure_target_pa(axis, *run_record(run, OBSERVABLE_STAGE_TIME, k)) : NAN;
             const double size = fmax(fabs(axis->pressure_pa), fabs(target));
             if (!isfinite(target) || !(size > 0))
                 continue;

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "analyzer/loading_branch.h"
+#include "analyzer/loading_peak.h"
 #include "analyzer/stress_path.h"
 
 static const double degrees = 180 / M_PI;

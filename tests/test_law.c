@@ -10,6 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/pressure_target.h"
+#include "common/strain_path.h"
 #include "wall_fixture.h"
 #include "wallctl/control_law.h"
 
@@ -44,11 +46,11 @@ static void strain_path_has_its_closed_form(void **unused)
     double zf_m = paper_z0_m * (1 - paper_axis.strain);
     /* A handful of roundings of numbers of size z0: below 4 eps z0. */
     double tolerance = 4 * DBL_EPSILON * paper_z0_m;
-    assert_near(wall_course_length_m(&paper_axis, paper_z0_m, 0), paper_z0_m, tolerance);
-    assert_near(wall_course_length_m(&paper_axis, paper_z0_m, 0.025), 0.5 * (paper_z0_m + zf_m), tolerance);
-    assert_true(wall_course_length_m(&paper_axis, paper_z0_m, 0.05) == zf_m);
-    assert_true(wall_course_length_m(&paper_axis, paper_z0_m, 7) == zf_m);
-    assert_true(wall_course_rate_m_per_s(&paper_axis, paper_z0_m, 0.0500001) == 0);
+    assert_near(strain_path_length_m(&paper_axis, paper_z0_m, 0), paper_z0_m, tolerance);
+    assert_near(strain_path_length_m(&paper_axis, paper_z0_m, 0.025), 0.5 * (paper_z0_m + zf_m), tolerance);
+    assert_true(strain_path_length_m(&paper_axis, paper_z0_m, 0.05) == zf_m);
+    assert_true(strain_path_length_m(&paper_axis, paper_z0_m, 7) == zf_m);
+    assert_true(strain_path_rate_m_per_s(&paper_axis, paper_z0_m, 0.0500001) == 0);
 }
 
 static void strain_rate_is_the_derivative(void **unused)
@@ -58,10 +60,10 @@ static void strain_rate_is_the_derivative(void **unused)
     /* Central difference: |z'''| h^2/6, and rounding of two lengths over 2h. */
     double tolerance = amplitude_m * omega * omega * omega * h * h / 6 + 4 * DBL_EPSILON * paper_z0_m / h;
     for (double t_s = 0.001; t_s < 0.0499; t_s += 0.004) {
-        double slope = (wall_course_length_m(&paper_axis, paper_z0_m, t_s + h) -
-                        wall_course_length_m(&paper_axis, paper_z0_m, t_s - h)) /
+        double slope = (strain_path_length_m(&paper_axis, paper_z0_m, t_s + h) -
+                        strain_path_length_m(&paper_axis, paper_z0_m, t_s - h)) /
                        (2 * h);
-        assert_near(wall_course_rate_m_per_s(&paper_axis, paper_z0_m, t_s), slope, tolerance);
+        assert_near(strain_path_rate_m_per_s(&paper_axis, paper_z0_m, t_s), slope, tolerance);
     }
 }
 
@@ -82,10 +84,10 @@ static void strain_run(int opposite, int interval_steps)
         struct wall_command command = answer(scene, &state);
         if (command.finished)
             break;
-        double rate = wall_course_rate_m_per_s(&paper_axis, paper_z0_m, (double)state.stage_step * 1e-4);
+        double rate = strain_path_rate_m_per_s(&paper_axis, paper_z0_m, (double)state.stage_step * 1e-4);
         assert_near(command.velocity_m_per_s[Z_HI], share * rate, 0);
         fixture_advance(scene, &command, &state);
-        double z_m = wall_course_length_m(&paper_axis, paper_z0_m, (double)state.stage_step * 1e-4);
+        double z_m = strain_path_length_m(&paper_axis, paper_z0_m, (double)state.stage_step * 1e-4);
         assert_near(state.position_m[Z_HI] - state.position_m[Z_LO], z_m, 2 * tolerance);
         assert_near(state.position_m[Z_HI], paper_z0_m + share * (z_m - paper_z0_m), tolerance);
         assert_true(state.position_m[X_HI] == paper_z0_m && state.position_m[X_LO] == 0);
@@ -317,17 +319,17 @@ static void targets_have_their_closed_forms(void **unused)
     struct scene_axis ramp = {.target = TARGET_RAMP, .pressure_pa = 100, .pressure_end_pa = 500, .ramp_s = 2};
     struct scene_axis cosine = {.target = TARGET_COSINE, .pressure_pa = 1000, .amplitude_pa = 200, .period_s = 10};
     struct scene_axis constant = {.target = TARGET_CONSTANT, .pressure_pa = 7};
-    assert_true(wall_target_pressure_pa(&constant, 3) == 7);
-    assert_true(wall_target_pressure_pa(&ramp, 0) == 100);
-    assert_true(wall_target_pressure_pa(&ramp, 0.5) == 200);
-    assert_true(wall_target_pressure_pa(&ramp, 2) == 500);
-    assert_true(wall_target_pressure_pa(&ramp, 99) == 500);
-    assert_true(wall_target_pressure_pa(&cosine, 0) == 1000);
+    assert_true(pressure_target_pa(&constant, 3) == 7);
+    assert_true(pressure_target_pa(&ramp, 0) == 100);
+    assert_true(pressure_target_pa(&ramp, 0.5) == 200);
+    assert_true(pressure_target_pa(&ramp, 2) == 500);
+    assert_true(pressure_target_pa(&ramp, 99) == 500);
+    assert_true(pressure_target_pa(&cosine, 0) == 1000);
     /* cos of a rounded argument of size 2 pi: 8 eps, times 100 Pa; and a rounding of 1200 Pa. */
     double tolerance = (8 * 100 + 1200) * DBL_EPSILON;
-    assert_near(wall_target_pressure_pa(&cosine, 2.5), 1100, tolerance);
-    assert_near(wall_target_pressure_pa(&cosine, 5), 1200, tolerance);
-    assert_near(wall_target_pressure_pa(&cosine, 10), 1000, tolerance);
+    assert_near(pressure_target_pa(&cosine, 2.5), 1100, tolerance);
+    assert_near(pressure_target_pa(&cosine, 5), 1200, tolerance);
+    assert_near(pressure_target_pa(&cosine, 10), 1000, tolerance);
 }
 
 /* ---- protocol ---- */
@@ -403,7 +405,7 @@ static void a_new_stage_starts_where_the_walls_are(void **unused)
     struct wall_command command = answer(scene, &state);
     assert_int_equal(command.stage, 1);
     assert_true(command.velocity_m_per_s[Z_HI] == 0); /* the path starts at rest ... */
-    double end_m = wall_course_length_m(&paper_axis, 0.5, 1e-3);
+    double end_m = strain_path_length_m(&paper_axis, 0.5, 1e-3);
     double way_m = 0.5 * command.acceleration_m_per_s2[Z_HI] * 1e-6;
     assert_near(0.5 + way_m, end_m, 2 * DBL_EPSILON); /* ... from the present length */
     assert_true(command.velocity_m_per_s[X_HI] == -0.25 && command.acceleration_m_per_s2[X_HI] == 0);
@@ -498,30 +500,30 @@ static void cycles_and_tables_have_their_closed_forms(void **unused)
     const double eps =
         16 * DBL_EPSILON; /* a few roundings of numbers of size 1, and of sin of an argument of size 13 */
     struct scene_axis a = {.target = TARGET_TRIANGLE, .pressure_pa = 10, .amplitude_pa = 4, .period_s = 2};
-    assert_near(wall_target_pressure_pa(&a, 0.5), 12, 14 * eps);
-    assert_near(wall_target_pressure_pa(&a, 1), 14, 14 * eps);
-    assert_near(wall_target_pressure_pa(&a, 3.5), 12, 14 * eps);
+    assert_near(pressure_target_pa(&a, 0.5), 12, 14 * eps);
+    assert_near(pressure_target_pa(&a, 1), 14, 14 * eps);
+    assert_near(pressure_target_pa(&a, 3.5), 12, 14 * eps);
     a.two_way = true;
-    assert_near(wall_target_pressure_pa(&a, 0.25), 11, 14 * eps);
-    assert_near(wall_target_pressure_pa(&a, 1.5), 8, 14 * eps);
+    assert_near(pressure_target_pa(&a, 0.25), 11, 14 * eps);
+    assert_near(pressure_target_pa(&a, 1.5), 8, 14 * eps);
     a.target = TARGET_COSINE;
-    assert_near(wall_target_pressure_pa(&a, 0.5), 12, 14 * eps);
-    assert_near(wall_target_pressure_pa(&a, 1), 10, 14 * eps);
+    assert_near(pressure_target_pa(&a, 0.5), 12, 14 * eps);
+    assert_near(pressure_target_pa(&a, 1), 10, 14 * eps);
     a.amplitude_growth_pa = 2;
     a.growth_cycles = 2; /* amplitudes 4, 4, 6, 6, 8 ... */
-    assert_near(wall_target_pressure_pa(&a, 3.5), 8, 14 * eps);
-    assert_near(wall_target_pressure_pa(&a, 4.5), 13, 14 * eps);
+    assert_near(pressure_target_pa(&a, 3.5), 8, 14 * eps);
+    assert_near(pressure_target_pa(&a, 4.5), 13, 14 * eps);
     struct scene_axis table = {.target = TARGET_TABLE,
                                .times_s = {3, {0, 1, 3}},
                                .pressures_pa = {3, {5, 7, -1}},
                                .strains = {3, {0, 0.1, 0.05}}};
-    assert_near(wall_target_pressure_pa(&table, 0.5), 6, 7 * eps);
-    assert_near(wall_target_pressure_pa(&table, 2), 3, 7 * eps);
-    assert_true(wall_target_pressure_pa(&table, 4) == -1);
+    assert_near(pressure_target_pa(&table, 0.5), 6, 7 * eps);
+    assert_near(pressure_target_pa(&table, 2), 3, 7 * eps);
+    assert_true(pressure_target_pa(&table, 4) == -1);
     table.course = COURSE_TABLE;
-    assert_near(wall_course_length_m(&table, 2, 0.5), 1.9, 2 * eps);
-    assert_near(wall_course_rate_m_per_s(&table, 2, 2), 0.05, 2 * eps);
-    assert_true(wall_course_done(&table, 3) && wall_course_rate_m_per_s(&table, 2, 3) == 0);
+    assert_near(strain_path_length_m(&table, 2, 0.5), 1.9, 2 * eps);
+    assert_near(strain_path_rate_m_per_s(&table, 2, 2), 0.05, 2 * eps);
+    assert_true(strain_path_done(&table, 3) && strain_path_rate_m_per_s(&table, 2, 3) == 0);
 }
 
 /* At 0.2 1/s after a rise of 0.1 s: a strain of 0.01 there, 0.05 at 0.3 s. */
@@ -531,15 +533,15 @@ static void a_rate_rises_and_ends(void **unused)
     struct scene_axis a = {
         .mode = WALL_STRAIN, .course = COURSE_RATE, .strain = 0.05, .rate_per_s = 0.2, .rise_s = 0.1};
     const double eps = 16 * DBL_EPSILON;
-    assert_near(wall_course_length_m(&a, 1, 0.05), 1 - 0.0025, eps);
-    assert_near(wall_course_rate_m_per_s(&a, 1, 0.05), -0.1, eps);
-    assert_near(wall_course_length_m(&a, 1, 0.1), 1 - 0.01, eps);
-    assert_near(wall_course_rate_m_per_s(&a, 1, 0.2), -0.2, eps);
+    assert_near(strain_path_length_m(&a, 1, 0.05), 1 - 0.0025, eps);
+    assert_near(strain_path_rate_m_per_s(&a, 1, 0.05), -0.1, eps);
+    assert_near(strain_path_length_m(&a, 1, 0.1), 1 - 0.01, eps);
+    assert_near(strain_path_rate_m_per_s(&a, 1, 0.2), -0.2, eps);
     assert_near(scene_axis_rate_end_s(&a), 0.3, eps);
-    assert_true(wall_course_length_m(&a, 1, 0.31) == 0.95);
+    assert_true(strain_path_length_m(&a, 1, 0.31) == 0.95);
     a.strain = -0.0025, a.rate_per_s = -0.2; /* there before the rise is over */
     assert_near(scene_axis_rate_end_s(&a), 0.05, eps);
-    assert_near(wall_course_length_m(&a, 1, 0.04), 1 + 0.0016, eps);
+    assert_near(strain_path_length_m(&a, 1, 0.04), 1 + 0.0016, eps);
 }
 
 static void strain_cycles_have_their_rates(void **unused)
@@ -554,8 +556,8 @@ static void strain_cycles_have_their_rates(void **unused)
         const double tolerance = 0.02 * omega * omega * omega * h * h / 6 + 4 * DBL_EPSILON / h;
         double least = 1, most = -1;
         for (double t_s = 0.0013; t_s < 0.7; t_s += 0.0101) {
-            const double before = wall_course_length_m(&a, 1, t_s - h), after = wall_course_length_m(&a, 1, t_s + h);
-            assert_near(wall_course_rate_m_per_s(&a, 1, t_s), (after - before) / (2 * h), tolerance);
+            const double before = strain_path_length_m(&a, 1, t_s - h), after = strain_path_length_m(&a, 1, t_s + h);
+            assert_near(strain_path_rate_m_per_s(&a, 1, t_s), (after - before) / (2 * h), tolerance);
             least = fmin(least, 1 - after);
             most = fmax(most, 1 - after);
         }

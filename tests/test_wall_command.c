@@ -9,7 +9,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "common/wall_target.h"
+#include "common/pressure_target.h"
 #include "wall_fixture.h"
 #include "wallctl/control_law.h"
 #include "wallctl/stress_control.h"
@@ -55,7 +55,7 @@ static void the_loop_is_the_scenes(void **unused)
         const double t_s = 0.5 * k * h;
         assert_near(command.force_n[Z_HI] +
                         t_s * (command.force_rate_n_per_s[Z_HI] + 0.5 * t_s * command.force_rate2_n_per_s2[Z_HI]),
-                    wall_target_pressure_pa(&scene->stage[0].axis[AXIS_Z], t0 + t_s), tolerance);
+                    pressure_target_pa(&scene->stage[0].axis[AXIS_Z], t0 + t_s), tolerance);
     }
     fixture_scene_free(scene);
 }

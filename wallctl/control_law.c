@@ -4,6 +4,8 @@
 #include <limits.h>
 #include <math.h>
 
+#include "common/pressure_target.h"
+#include "common/strain_path.h"
 #include "wallctl/coupled_axes.h"
 #include "wallctl/stage_sequence.h"
 #include "wallctl/stress_control.h"
@@ -32,10 +34,10 @@ static struct wall_motion strain_motion(const struct pair_control *c, int wall, 
 {
     const double *start_m = c->moment->stage_position_m;
     double z0_m = start_m[c->hi] - start_m[c->lo];
-    if (wall_course_done(c->axis, c->start_s)) /* there: at rest, not chasing the last bit */
+    if (strain_path_done(c->axis, c->start_s)) /* there: at rest, not chasing the last bit */
         return (struct wall_motion){0, 0};
-    double rate = share * wall_course_rate_m_per_s(c->axis, z0_m, c->start_s);
-    double end_m = start_m[wall] + share * (wall_course_length_m(c->axis, z0_m, c->end_s) - z0_m);
+    double rate = share * strain_path_rate_m_per_s(c->axis, z0_m, c->start_s);
+    double end_m = start_m[wall] + share * (strain_path_length_m(c->axis, z0_m, c->end_s) - z0_m);
     double way_m = end_m - c->state->position_m[wall];
     double h = c->interval_s;
     return (struct wall_motion){rate, 2 * (way_m - rate * h) / (h * h)};
@@ -141,8 +143,8 @@ static void impedance_pair(const struct pair_control *c, struct wall_command *co
     const double constant[] = {constant_pa, constant_pa, constant_pa};
     double target_pa[] = {own_pa, own_pa, own_pa}; /* of a coupled axis: as it is now */
     if (c->axis->mode == WALL_STRESS) {
-        target_pa[1] = wall_target_pressure_pa(c->axis, 0.5 * (c->start_s + c->end_s));
-        target_pa[2] = wall_target_pressure_pa(c->axis, c->end_s);
+        target_pa[1] = pressure_target_pa(c->axis, 0.5 * (c->start_s + c->end_s));
+        target_pa[2] = pressure_target_pa(c->axis, c->end_s);
     }
     impedance_wall(c, c->hi, drive, target_pa, command);
     if (mirror)

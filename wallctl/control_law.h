@@ -6,7 +6,6 @@
 #include "common/coupling.h"
 #include "common/scene.h"
 #include "common/status.h"
-#include "common/wall_target.h"
 
 /* The command that answers `state` under `scene`. Pure: the same input gives the same bits. Time in the stage is
  * stage_step * dt_s, so that it does not depend on how the sender adds it up.

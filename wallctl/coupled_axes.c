@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "common/wall_target.h"
+#include "common/pressure_target.h"
 
 double walls_area_m2(const struct wall_state *state, int pair)
 {
@@ -66,12 +66,12 @@ static void kept_equation(const struct scene_axis *axis, double t_s, int pairs, 
     case KEEP_P:
         for (int k = 0; k < pairs; k++)
             row[k] = 1.0 / pairs;
-        row[pairs] = wall_target_pressure_pa(axis, t_s);
+        row[pairs] = pressure_target_pa(axis, t_s);
         break;
     case KEEP_Q:
         for (int k = 0; k < pairs; k++)
             row[k] = k == axial ? 1.0 : -1.0 / axial;
-        row[pairs] = wall_target_pressure_pa(axis, t_s);
+        row[pairs] = pressure_target_pa(axis, t_s);
         break;
     case KEEP_PATH:
         for (int k = 0; k < pairs; k++)
@@ -140,7 +140,7 @@ enum status coupled_targets(const struct scene *scene, const struct scene_stage 
     for (int pair = 0; pair < pairs; pair++) {
         const struct scene_axis *axis = &stage->axis[scene_pair_axis(scene, pair)];
         if (axis->mode == WALL_STRESS)
-            target_pa[pair] = wall_target_pressure_pa(axis, t_s);
+            target_pa[pair] = pressure_target_pa(axis, t_s);
         else if (coupled == 0)
             target_pa[pair] = walls_stress_pa(state, pair);
     }

@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-#include "common/wall_target.h"
 #include "wallctl/coupled_axes.h"
 
 /* Period of the cycles of a stage; 0: it has none. */

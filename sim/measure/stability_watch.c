@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "common/pressure_target.h"
 #include "sim/measure/measure.h"
 #include "wallctl/control_law.h"
 
@@ -61,7 +62,7 @@ static void stress_look(struct stability_watch *watch, const struct sample *samp
         const struct scene_axis *axis = &stage->axis[sample_axis(sample, c)];
         if (axis->mode != WALL_STRESS)
             continue;
-        watch->target_pa[c] = wall_target_pressure_pa(axis, t);
+        watch->target_pa[c] = pressure_target_pa(axis, t);
         const double error = fabs(controlled_stress_pa(sample, axis, c) - watch->target_pa[c]);
         const double ratio = watch->target_pa[c] != 0 ? error / fabs(watch->target_pa[c]) : 0;
         watch->error_sum[c] += ratio;
@@ -94,7 +95,7 @@ static enum status opening_look(struct stability_watch *watch, const struct samp
         const double start = sample->stage_position_m[2 * c + 1] - sample->stage_position_m[2 * c];
         if (axis->mode != WALL_STRESS)
             continue;
-        const bool pulls = wall_target_pressure_pa(axis, t) < 0;
+        const bool pulls = pressure_target_pa(axis, t) < 0;
         const bool alone = pulls && !touches(sample, c);
         watch->pulled_on_nothing[c] = alone ? watch->pulled_on_nothing[c] + 1 : 0;
         if (watch->pulled_on_nothing[c] > STABILITY_WATCH_ALONE_MAX)
