@@ -67,6 +67,15 @@ texts=('verdict: sound' 'ended by its length')
 run sound 0 damped-biaxial
 number_within 'ledger residual' -1e-2 1e-2
 
+# 15 contacts of 0.1 kg/s on 1e-6 kg: 4 lambda dt = 6 > 4. The loop is exact in every step, and no residual says so.
+light=(--set stages.1.walls.x.mass_kg=1e-6 --set stages.1.walls.x.damping_kg_per_s=0.01)
+texts=('too long for the wall in x once a whole layer' 'wall in x is not stable' 'turns round in every step' 'walls.x.mass_kg')
+run 'light wall' 10 damped-biaxial "${light[@]}" --set coupling.scheme=hold --set coupling.interval_steps=1
+run 'light wall, sim closes the loop' 10 damped-biaxial "${light[@]}" --set coupling.scheme=impedance --set coupling.interval_steps=64
+texts=('verdict: sound')
+run 'a wall that is heavy enough' 0 damped-biaxial "${light[@]}" --set stages.1.walls.x.mass_kg=3e-6 --set coupling.scheme=hold \
+    --set coupling.interval_steps=1
+
 texts=('of the smaller radius: the contacts are too soft' 'limits.overlap_ratio')
 run crushed 10 damped-biaxial --set stages.1.walls.z.strain=0.95
 number_within 'overlap by' 30 60

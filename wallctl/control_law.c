@@ -417,7 +417,10 @@ enum status wallctl_law(const struct scene *scene, const struct wall_state *told
     move_walls(&c, command);
     if (!all_finite(command->velocity_m_per_s, command->n_walls) ||
         !all_finite(command->acceleration_m_per_s2, command->n_walls))
-        return status_fail(STATUS_UNSTABLE, "at step %" PRId64 " the command of a wall is not finite", state.step);
+        return status_fail(STATUS_UNSTABLE,
+                           "at step %" PRId64 " the command of a wall is not finite: its loop is not stable; fewer "
+                           "coupling.interval_steps, shorter steps, more mass or more damping would help",
+                           state.step);
     return STATUS_OK;
 }
 

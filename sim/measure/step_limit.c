@@ -64,9 +64,11 @@ static void walls_limit(const struct sample *sample, const struct scene_stage *s
     limit->wall_stable_s = INFINITY;
     for (int c = 0; c < dim; c++) {
         const enum axis name = sample_axis(sample, c);
-        if (stage->axis[name].mode != WALL_STRESS)
+        const struct scene_axis *axis = &stage->axis[name];
+        const bool follows = axis->mode == WALL_COUPLED && axis->keep == KEEP_VOLUME;
+        if ((axis->mode != WALL_STRESS && axis->mode != WALL_COUPLED) || follows)
             continue;
-        const double holds = wall_step_s(sample, &stage->axis[name], contacts, &wall_law[c], stage->dt_s);
+        const double holds = wall_step_s(sample, axis, contacts, &wall_law[c], stage->dt_s);
         if (!(holds < limit->wall_stable_s))
             continue;
         limit->wall_stable_s = holds;

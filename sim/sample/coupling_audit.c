@@ -1,6 +1,8 @@
 #include "sim/sample/coupling_audit.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "sim/sample/energy.h"
 #include "sim/sample/step_completion.h"
@@ -14,6 +16,8 @@ enum { WINDOW = 16, BAD_WINDOWS = 3, LEAKING_WINDOWS = 32 };
 /* Contacts on a wall over its area in mean diameters: the most that was seen, with a margin. */
 static const double DENSE = 1.5;
 static const double WATCHED_ERROR = 0.01, LEAK = 0.02;
+/* The shortest period of anything that follows the contacts is six steps: no turn in so many of them. */
+enum { TURNS_MIN = 4 };
 
 void coupling_audit_set_law(struct sample *sample)
 {
@@ -35,6 +39,7 @@ void coupling_audit_stage_start(struct sample *sample)
     audit->error = audit->error_before = 0;
     audit->window_residual_j = audit->window_error = 0;
     audit->window_intervals = audit->bad_windows = audit->leaking_windows = 0;
+    audit->swing = (struct swing_watch){0};
 }
 
 /* Energy between the work of the interval that ended and the controller's idea of it, with the command that follows. */
@@ -93,6 +98,13 @@ static bool in_loop(const struct sample *sample, int w)
     return sample->trajectory.drive[w] != DRIVE_PATH;
 }
 
+/* Whether the loop of wall w is closed in every step: by the controller, or by sim itself. */
+static bool closed_in_steps(const struct sample *sample, int w)
+{
+    const struct wall_trajectory *path = &sample->trajectory;
+    return path->drive[w] >= DRIVE_IMPEDANCE || (path->drive[w] == DRIVE_LOOP && path->n_steps == 1);
+}
+
 /* What would hold for wall w, as far as the bounds tell, for the end of a message. */
 static void advice(const struct sample *sample, int w, char *text, size_t size)
 {
@@ -106,10 +118,11 @@ static void advice(const struct sample *sample, int w, char *text, size_t size)
     stiffness[w] = fmax(stiffness[w], layer * sample->wall_law[w / 2].stiffness);
     damping[w] = fmax(damping[w], layer * sample->wall_law[w / 2].gamma_n);
     const int stable = wallctl_stable_steps(&sample->scene->coupling, axis, stiffness[w], damping[w], sample->dt);
-    if (stable < 1 || sample->trajectory.n_steps == 1)
+    if (stable < 1 || closed_in_steps(sample, w))
         snprintf(text, size,
-                 "dt_s = %g s is too long for this wall: shorter steps, more mass or more damping would help",
-                 sample->dt);
+                 "dt_s = %g s is too long for this wall: shorter steps, more mass or more damping (walls.%c.mass_kg, "
+                 "damping_kg_per_s) would help",
+                 sample->dt, wall_axis_name(sample, w));
     else
         snprintf(text, size,
                  "coupling.interval_steps = %d would hold with %g N/m of contacts on the wall; so would the "
@@ -230,15 +243,54 @@ static enum status interval_end(struct sample *sample)
     return watch(sample, mismatch_j, sum_j);
 }
 
+static void swing_add(struct swing_watch *swing, int w, bool closed, double way_m, double before_n, double now_n)
+{
+    swing->turns[w] = closed && way_m * swing->way_m[w] < 0 ? swing->turns[w] + 1 : 0;
+    swing->way_m[w] = way_m;
+    if (closed)
+        swing->passed_j += 0.5 * (fabs(before_n) + fabs(now_n)) * fabs(way_m);
+    if (swing->turns[w] >= TURNS_MIN)
+        swing->swung_j[w] += 0.5 * fabs(now_n - before_n) * fabs(way_m);
+}
+
+/* A loop that is closed in every step shows no residual when it is not stable: its wall turns round in every step, and
+ * what it swings with passes all that the sample holds, or a few percent of it on and on. */
+static enum status swing_look(struct sample *sample)
+{
+    struct swing_watch *swing = &sample->audit.swing;
+    double swung_j = 0;
+    char what[160];
+    if (++swing->steps < WINDOW)
+        return STATUS_OK;
+    for (int w = 0; w < sample->n_walls; w++)
+        swung_j += swing->swung_j[w];
+    const double held_j = swung_j > WATCHED_ERROR * swing->passed_j ? held_energy_j(sample) : INFINITY;
+    const int worst = worst_wall(sample, swing->swung_j);
+    swing->bad_windows = swung_j <= held_j ? 0 : swing->bad_windows + 1;
+    swing->leaking_windows = swung_j <= LEAK * held_j ? 0 : swing->leaking_windows + 1;
+    swing->steps = 0;
+    swing->passed_j = 0;
+    memset(swing->swung_j, 0, sizeof swing->swung_j);
+    if (swing->bad_windows < BAD_WINDOWS && swing->leaking_windows < LEAKING_WINDOWS)
+        return STATUS_OK;
+    snprintf(what, sizeof what,
+             "it turns round in every step, and %g J went there and back in %d steps, the sample holds %g J", swung_j,
+             WINDOW, held_j);
+    return unstable(sample, worst, what);
+}
+
 enum status coupling_audit_step(struct sample *sample, const double *x_before, const double *force_before)
 {
     const struct wall_trajectory *path = &sample->trajectory;
     for (int w = 0; w < sample->n_walls; w++) {
         const struct wall *wall = &sample->walls[w];
         /* trapezoidal rule; `inward` points into the box, the force outward */
-        double work = 0.5 * (force_before[w] + wall->force) * wall->inward * (wall->x - x_before[w]);
+        const double inward_m = wall->inward * (wall->x - x_before[w]);
+        double work = 0.5 * (force_before[w] + wall->force) * inward_m;
         sample->ledger.work_walls += work;
         sample->audit.work[w] -= work;
+        swing_add(&sample->audit.swing, w, closed_in_steps(sample, w), -inward_m, force_before[w], wall->force);
     }
+    TRY(swing_look(sample));
     return sample->step == path->from_step + path->n_steps ? interval_end(sample) : STATUS_OK;
 }

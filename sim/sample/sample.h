@@ -34,6 +34,16 @@ struct wall_trajectory {
 };
 
 /* Books of the interface between walls and controller (coupling_audit.h). */
+/* Walls whose loop is closed in every step, and that turn round in every step; over windows of steps. Not in
+ * checkpoints: a run that goes on looks anew. */
+struct swing_watch {
+    double way_m[SCENE_WALLS_MAX];   /* of the last step, outward */
+    int turns[SCENE_WALLS_MAX];      /* in a row */
+    double swung_j[SCENE_WALLS_MAX]; /* by what the force changed on the way, of those that turn */
+    double passed_j;                 /* by the force itself, of all */
+    int steps, bad_windows, leaking_windows;
+};
+
 struct coupling_audit {
     /* Since the start of the stage [J], over all walls in a force loop: |work that sim integrated - (F + F')/2 dx| with
      * the forces at both ends of an interval; of sim, and as the controller's motion took them. */
@@ -49,6 +59,7 @@ struct coupling_audit {
     /* The watch, over windows of intervals. */
     double window_residual_j, window_error;
     int window_intervals, bad_windows, leaking_windows;
+    struct swing_watch swing;
     double diameter_m, sound_m_per_s; /* mean; of the sample: follow from particles and material */
 };
 
