@@ -175,15 +175,15 @@ static void the_watch_sees_walls_that_leave_and_a_box_that_drifts(void **unused)
     axis[AXIS_X].mode = WALL_STRESS;
     axis[AXIS_X].opposite = OPPOSITE_CONSTANT;
     stability_watch_start(&watch);
-    must(stability_watch_look(&watch, sample, NULL));
+    must(stability_watch_look(&watch, sample, overlaps_of_fastest(sample), NULL));
     assert_true(watch.left[1] == 0 && watch.drift[0] == 0); /* not touched so far */
     sample->walls[2].touching = 1;
-    must(stability_watch_look(&watch, sample, NULL));
+    must(stability_watch_look(&watch, sample, overlaps_of_fastest(sample), NULL));
     sample->walls[2].touching = 0;
     sample->walls[0].x += 0.1 * length;
     sample->walls[1].x += 0.1 * length;
-    must(stability_watch_look(&watch, sample, NULL));
-    must(stability_watch_look(&watch, sample, NULL));
+    must(stability_watch_look(&watch, sample, overlaps_of_fastest(sample), NULL));
+    must(stability_watch_look(&watch, sample, overlaps_of_fastest(sample), NULL));
     assert_true(watch.left[1] == 2 && watch.left[0] == 0);
     assert_true(fabs(watch.drift[0] - 0.1) < 1e-12 && watch.drift[1] == 0);
     fixture_close(&fixture);

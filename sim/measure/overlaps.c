@@ -2,25 +2,31 @@
 
 #include <math.h>
 
-static double distance2_m2(const struct particles *p, int i, int j)
+/* `dimension` is known where this is compiled: it is inlined. */
+static inline double distance2_m2(int dimension, const struct particles *p, int i, int j)
 {
     double d2 = 0;
-    for (int c = 0; c < p->dimension; c++) {
+    for (int c = 0; c < dimension; c++) {
         const double d = p->x[c][i] - p->x[c][j];
         d2 += d * d;
     }
     return d2;
 }
 
-static void look_at_pairs(const struct sample *sample, struct passing_watch *passing, struct largest_overlap *largest)
+/* A pair that overlaps less than the largest so far, and is not followed, is not looked at closely: no root. */
+static inline void look_at_pairs(int dimension, const struct sample *sample, struct passing_watch *passing,
+                                 struct largest_overlap *largest)
 {
     const struct particles *p = &sample->particles;
+    const double followed = passing ? PASSING_WATCH_FOLLOWED : 1;
     for (int k = 0; k < sample->pairs.count; k++) {
         const int i = sample->pairs.i[k], j = sample->pairs.j[k];
-        const double reach = p->radius[i] + p->radius[j], d2 = distance2_m2(p, i, j);
-        if (d2 >= reach * reach)
+        const double a = p->radius[i], b = p->radius[j], smaller = a < b ? a : b, reach = a + b;
+        const double deepest = largest->ratio * smaller, shallow = followed * reach;
+        const double far = reach - (deepest < shallow ? deepest : shallow), d2 = distance2_m2(dimension, p, i, j);
+        if (d2 >= far * far)
             continue;
-        const double overlap_m = reach - sqrt(d2), ratio = overlap_m / fmin(p->radius[i], p->radius[j]);
+        const double overlap_m = reach - sqrt(d2), ratio = overlap_m / smaller;
         if (ratio > largest->ratio)
             *largest = (struct largest_overlap){ratio, p->id[i], p->id[j]};
         if (passing)
@@ -48,7 +54,10 @@ enum status overlaps_look(struct sample *sample, struct passing_watch *passing, 
     particles_export_positions(&sample->particles);
     if (passing)
         TRY(passing_watch_begin(passing, sample));
-    look_at_pairs(sample, passing, largest);
+    if (sample->particles.dimension == 2)
+        look_at_pairs(2, sample, passing, largest);
+    else
+        look_at_pairs(3, sample, passing, largest);
     look_at_walls(sample, largest);
     if (passing)
         passing_watch_end(passing);
@@ -63,10 +72,13 @@ double overlaps_of_fastest(const struct sample *sample)
     double largest = 0;
     for (int i = 0; i < p->count; i++) {
         double v2 = 0;
-        for (int c = 0; c < p->dimension; c++)
-            v2 += particles_velocity(p, c, i) * particles_velocity(p, c, i);
+        for (int c = 0; c < p->dimension; c++) {
+            const double v = particles_velocity(p, c, i);
+            v2 += v * v;
+        }
         /* against one of its own kind that comes with the same speed: 2 v sqrt(m/2 / k) */
-        largest = fmax(largest, 2 * v2 * p->mass[i] / (k * p->radius[i] * p->radius[i]));
+        const double square = 2 * v2 * p->mass[i] / (k * p->radius[i] * p->radius[i]);
+        largest = square > largest ? square : largest;
     }
     return sqrt(largest);
 }

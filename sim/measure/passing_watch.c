@@ -6,10 +6,6 @@
 /* On a straight way the normal turns by more than 90 degrees where the distance of the centres falls below 1/sqrt(2) of
  * the sum of the radii: an overlap of 0.29 of that sum. Small grains that slide along large ones overlap by less. */
 static const double DEEP = 0.25;
-/* Pairs are followed from this overlap on, which most contacts never have: those that pass through at more than 0.67 of
- * the sum of the radii are missed. */
-static const double FOLLOWED = 0.05;
-
 static int by_ids(const void *a, const void *b)
 {
     const struct passing_pair *x = a, *y = b;
@@ -73,7 +69,7 @@ void passing_watch_add(struct passing_watch *watch, const struct sample *sample,
     const bool rising = p->id[first] < p->id[second];
     const int i = rising ? first : second, j = rising ? second : first;
     struct passing_pair now = {.i = p->id[i], .j = p->id[j], .since = sample->step};
-    if (overlap < FOLLOWED)
+    if (overlap < PASSING_WATCH_FOLLOWED)
         return;
     const struct passing_pair *known = watch->n > 0 ? bsearch(&now, watch->pair, watch->n, sizeof now, by_ids) : NULL;
     if (known && sample->step - known->since <= PASSING_WATCH_TURN_STEPS)

@@ -8,6 +8,10 @@
  * that roll about each other. */
 enum { PASSING_WATCH_TURN_STEPS = 64 };
 
+/* Pairs are followed from this overlap on, over the sum of their radii, which most contacts never have: those that pass
+ * through at more than 0.67 of the sum of the radii are missed. */
+static const double PASSING_WATCH_FOLLOWED = 0.05;
+
 /* Particles that overlapped by a twentieth of the sum of their radii at the last look, by their ids, i < j. */
 struct passing_pair {
     int32_t i, j;
@@ -25,8 +29,9 @@ struct passing_watch {
 };
 
 /* A look, as part of overlaps_look: what has become of those that were followed; then every pair of the list that
- * overlaps, by its place in it and its overlap over the sum of the radii; then the end of it. Positions are exported;
- * the last step need not be complete. Between looks particles may move by part of a radius. Errors: STATUS_NO_MEMORY.
+ * overlaps by more than PASSING_WATCH_FOLLOWED, others at will, by its place in it and its overlap over the sum of the
+ * radii; then the end of it. Positions are exported; the last step need not be complete. Between looks particles may
+ * move by part of a radius. Errors: STATUS_NO_MEMORY.
  */
 enum status passing_watch_begin(struct passing_watch *watch, const struct sample *sample) MUST_USE;
 void passing_watch_add(struct passing_watch *watch, const struct sample *sample, int place, double overlap);

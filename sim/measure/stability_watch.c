@@ -124,7 +124,8 @@ static void place_look(struct stability_watch *watch, const struct sample *sampl
     }
 }
 
-enum status stability_watch_look(struct stability_watch *watch, struct sample *sample, struct passing_watch *passing)
+enum status stability_watch_look(struct stability_watch *watch, struct sample *sample, double fastest,
+                                 struct passing_watch *passing)
 {
     const double inertial = measure_inertial_number(sample);
     watch->looks++;
@@ -132,7 +133,7 @@ enum status stability_watch_look(struct stability_watch *watch, struct sample *s
     watch->inertial_max = fmax(watch->inertial_max, inertial);
     stress_look(watch, sample);
     place_look(watch, sample);
-    watch->fastest_ratio = fmax(watch->fastest_ratio, overlaps_of_fastest(sample));
+    watch->fastest_ratio = fmax(watch->fastest_ratio, fastest);
     TRY(stability_watch_look_at_contacts(watch, sample, passing));
     return opening_look(watch, sample);
 }

@@ -30,8 +30,9 @@ enum { STABILITY_WATCH_ALONE_MAX = 4 };
 
 /* A look at the sample as it is; its last step need not be complete. STATUS_UNSTABLE, with what was seen, when the
  * model does not hold any more: an overlap beyond limits.overlap_ratio, a wall that pulls on nothing, a box that has
- * grown beyond all of it. `passing`: sees which particles pass through each other, or NULL (overlaps_look). */
-enum status stability_watch_look(struct stability_watch *watch, struct sample *sample,
+ * grown beyond all of it. fastest: overlaps_of_fastest of it. `passing`: sees which particles pass through each other,
+ * or NULL (overlaps_look). */
+enum status stability_watch_look(struct stability_watch *watch, struct sample *sample, double fastest,
                                  struct passing_watch *passing) MUST_USE;
 
 /* The part of it that looks at overlaps, for samples so fast that contacts come and go between looks. */

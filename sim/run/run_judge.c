@@ -122,9 +122,8 @@ static enum status note_extremes(struct run *run)
     return note_places(run);
 }
 
-static void hurry_set(struct run *run)
+static void hurry_set(struct run *run, double fastest)
 {
-    const double fastest = overlaps_of_fastest(run->sample);
     run->judge.hurry_steps = fastest > 2 * HURRYING ? HURRY_STEPS : fastest > HURRYING ? 4 * HURRY_STEPS : 0;
     if (run->judge.hurry_steps == 0)
         passing_watch_forget(&run->judge.passing);
@@ -149,7 +148,7 @@ enum status run_judge_stage_start(struct run *run)
         return STATUS_OK;
     TRY(strain_limit_check(run->sample, run->sample->stage)); /* the box was not known before */
     watch->fastest_ratio = overlaps_of_fastest(run->sample);
-    hurry_set(run);
+    hurry_set(run, watch->fastest_ratio);
     TRY(note_extremes(run));
     if (run->sample->stage == 0)
         return STATUS_OK; /* of a packing that was just made there is nothing to say */
@@ -170,15 +169,16 @@ enum status run_judge_step(struct run *run)
     struct passing_watch *passing = fast ? &judge->passing : NULL;
     if (run->options->replay)
         return STATUS_OK;
+    const double fastest = whole ? overlaps_of_fastest(run->sample) : 0;
     if (whole)
-        TRY(stability_watch_look(&judge->watch, run->sample, passing));
+        TRY(stability_watch_look(&judge->watch, run->sample, fastest, passing));
     else if (fast)
         TRY(stability_watch_look_at_contacts(&judge->watch, run->sample, passing));
     if (judge->passing.passed > passed && !judge->passing_noted)
         TRY(note_passing(run));
     if (!whole)
         return STATUS_OK;
-    hurry_set(run);
+    hurry_set(run, fastest);
     return note_extremes(run);
 }
 
@@ -250,7 +250,7 @@ enum status run_judge_stage_end(struct run *run, int ended)
     if (run->options->replay)
         return STATUS_OK;
     const struct complete_sample whole = sample_complete(run->sample);
-    TRY(stability_watch_look(&run->judge.watch, run->sample, NULL));
+    TRY(stability_watch_look(&run->judge.watch, run->sample, overlaps_of_fastest(run->sample), NULL));
     TRY(note_extremes(run));
     TRY(measure(whole, &m));
     stress_text(run, stress, sizeof stress);

@@ -11,27 +11,30 @@ struct contact_geometry {
     double overlap, n[3], distance;
 };
 
-/* Of candidate k of a list, from positions as they are in double; wall: NULL for pairs. */
-static inline struct contact_geometry contact_geometry_of(const struct particles *p, const struct contact_list *list,
-                                                          const struct wall *wall, int k)
+/* From positions as they are in double. Particle i against j; `dimension` should be known where this is compiled. */
+static inline struct contact_geometry contact_geometry_of_pair(int dimension, const struct particles *p, int i, int j)
 {
-    const int i = list->i[k], j = list->j[k];
     struct contact_geometry g = {0};
-    if (wall) {
-        g.n[wall->axis] = wall->inward;
-        g.distance = wall->inward * (p->x[wall->axis][i] - wall->x);
-        g.overlap = p->radius[i] - g.distance;
-        return g;
-    }
     double d2 = 0;
-    for (int c = 0; c < p->dimension; c++) {
+    for (int c = 0; c < dimension; c++) {
         g.n[c] = p->x[c][i] - p->x[c][j];
         d2 += g.n[c] * g.n[c];
     }
     g.distance = sqrt(d2);
-    for (int c = 0; c < p->dimension; c++)
+    for (int c = 0; c < dimension; c++)
         g.n[c] /= g.distance;
     g.overlap = p->radius[i] + p->radius[j] - g.distance;
+    return g;
+}
+
+/* Particle i against a wall. */
+static inline struct contact_geometry contact_geometry_at_wall(const struct particles *p, int i,
+                                                               const struct wall *wall)
+{
+    struct contact_geometry g = {0};
+    g.n[wall->axis] = wall->inward;
+    g.distance = wall->inward * (p->x[wall->axis][i] - wall->x);
+    g.overlap = p->radius[i] - g.distance;
     return g;
 }
 

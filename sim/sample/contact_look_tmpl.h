@@ -43,7 +43,7 @@ LANES_INLINE struct NAME(list_look) NAME(look_at_list)(const struct sample *samp
     return look;
 }
 
-/* Contact k, which touches. */
+/* Contact k, which touches. `contact` starts with zeros: no time passes, so lags stay 0. */
 LANES_INLINE void NAME(look_up)(const struct NAME(list_look) * look, int k, const struct contact_geometry *g,
                                 struct NAME(contact) * contact)
 {
@@ -52,13 +52,14 @@ LANES_INLINE void NAME(look_up)(const struct NAME(list_look) * look, int k, cons
     const struct wall *wall = look->wall;
     const int i = list->i[k], j = list->j[k];
     struct NAME(sides) *at = &contact->at;
-    *contact = (struct NAME(contact)){.at = {.inverse = 1, .delta = g->overlap}};
+    at->inverse = 1;
+    at->delta = g->overlap;
     for (int c = 0; c < DIM; c++) {
         at->d[c] = g->n[c];
         at->g[c] = p->v[c][i] - (!wall ? p->v[c][j] : wall->axis == c ? wall->v : 0);
     }
 #if FRICTIONAL
-    at->arm = g->distance / (g->distance + g->overlap); /* no time passes: lags are 0 */
+    at->arm = g->distance / (g->distance + g->overlap);
     for (int c = 0; c < SPRINGS; c++)
         at->w[c] = p->radius[i] * p->omega[c][i] + (wall ? 0 : p->radius[j] * p->omega[c][j]);
 #endif
@@ -81,16 +82,16 @@ LANES_INLINE void NAME(look_up)(const struct NAME(list_look) * look, int k, cons
 }
 
 LANES_INLINE void NAME(forces)(const struct NAME(list_look) * look, const struct NAME(law) * law, int k,
-                               const struct contact_geometry *g, struct contact_forces *f)
+                               const struct contact_geometry *g, struct NAME(contact) * contact,
+                               struct contact_forces *f)
 {
-    struct NAME(contact) contact;
     void *history[HISTORY_COLUMNS], *pair[PAIR_CONSTANTS];
-    NAME(look_up)(look, k, g, &contact);
+    NAME(look_up)(look, k, g, contact);
     for (int c = 0; c < HISTORY_COLUMNS; c++)
-        history[c] = &contact.value[c];
+        history[c] = &contact->value[c];
     for (int c = 0; c < PAIR_CONSTANTS; c++)
-        pair[c] = &contact.pair[c];
-    NAME(contact_look)(law, &contact.at, pair, history, f);
+        pair[c] = &contact->pair[c];
+    NAME(contact_look)(law, &contact->at, pair, history, f);
 }
 
 static void NAME(contact_forces_at)(const struct sample *sample, int l, int k, const struct contact_geometry *g,
@@ -98,21 +99,36 @@ static void NAME(contact_forces_at)(const struct sample *sample, int l, int k, c
 {
     const struct NAME(list_look) look = NAME(look_at_list)(sample, l);
     const struct NAME(law) law = NAME(law_of_look)(look.law, sample->kicked_s);
-    NAME(forces)(&look, &law, k, g, f);
+    struct NAME(contact) contact = {0};
+    NAME(forces)(&look, &law, k, g, &contact, f);
+}
+
+/* Of pairs and of walls apart: so that the compiler keeps a pair's geometry in registers. */
+LANES_INLINE void NAME(energies)(bool pairs, const struct NAME(list_look) * look, const struct NAME(law) * law,
+                                 double *normal_j, double *tangential_j)
+{
+    const struct particles *p = look->particles;
+    const struct contact_list *list = look->list;
+    struct NAME(contact) contact = {0};
+    for (int k = 0; k < list->count; k++) {
+        struct contact_forces f;
+        const struct contact_geometry g = pairs ? contact_geometry_of_pair(DIM, p, list->i[k], list->j[k])
+                                                : contact_geometry_at_wall(p, list->i[k], look->wall);
+        if (!(g.overlap > 0))
+            continue;
+        NAME(forces)(look, law, k, &g, &contact, &f);
+        *normal_j += f.elastic_j;
+        *tangential_j += f.spring_j;
+    }
 }
 
 static void NAME(contact_energies)(const struct sample *sample, int l, double *normal_j, double *tangential_j)
 {
     const struct NAME(list_look) look = NAME(look_at_list)(sample, l);
     const struct NAME(law) law = NAME(law_of_look)(look.law, sample->kicked_s);
-    for (int k = 0; k < look.list->count; k++) {
-        struct contact_forces f;
-        const struct contact_geometry g = contact_geometry_of(look.particles, look.list, look.wall, k);
-        if (!(g.overlap > 0))
-            continue;
-        NAME(forces)(&look, &law, k, &g, &f);
-        *normal_j += f.elastic_j;
-        *tangential_j += f.spring_j;
-    }
+    if (l == 0)
+        NAME(energies)(true, &look, &law, normal_j, tangential_j);
+    else
+        NAME(energies)(false, &look, &law, normal_j, tangential_j);
 }
 #endif

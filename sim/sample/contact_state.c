@@ -4,7 +4,12 @@
 
 struct contact_geometry contact_geometry_at(const struct sample *sample, int l, int k)
 {
-    return contact_geometry_of(&sample->particles, sample_list(sample, l), l > 0 ? &sample->walls[l - 1] : NULL, k);
+    const struct particles *p = &sample->particles;
+    const struct contact_list *list = sample_list(sample, l);
+    if (l > 0)
+        return contact_geometry_at_wall(p, list->i[k], &sample->walls[l - 1]);
+    return p->dimension == 2 ? contact_geometry_of_pair(2, p, list->i[k], list->j[k])
+                             : contact_geometry_of_pair(3, p, list->i[k], list->j[k]);
 }
 
 static const struct contact_looks *looks_of(const struct sample *sample)
