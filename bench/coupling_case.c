@@ -57,6 +57,15 @@ static enum status make_shifted(struct coupling_work *work)
     return prepare_path(path, work->shifted);
 }
 
+/* What would end the stage would end it at another step in each run. */
+static void without_conditions(struct scene_stage *stage)
+{
+    stage->until_energy_ratio = stage->until_stress_error = stage->until_r_u = 0;
+    stage->until_q_pa.count = stage->until_q_over_p.count = 0;
+    for (int a = 0; a < SCENE_AXES; a++)
+        stage->axis[a].until_strain.count = stage->axis[a].until_stress_pa.count = 0;
+}
+
 /* The last stage as a scene of its own, exact unless told otherwise, without frames: a run is its steps and samples. */
 static void set_stage(struct coupling_work *work)
 {
@@ -65,6 +74,8 @@ static void set_stage(struct coupling_work *work)
         stage->duration_s = work->at->duration_s;
     if (work->at->steps_max > 0)
         stage->duration_s = fmin(scene_total_time_s(work->scene), work->at->steps_max * stage->dt_s);
+    if (work->at->shipped)
+        without_conditions(stage);
     stage->cut_path = true; /* of a path a piece is timed */
     stage->frame_interval_s = 0;
     stage->frame_strains.count = 0;
