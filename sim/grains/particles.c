@@ -335,12 +335,25 @@ void particles_import_state(struct particles *p)
         split(p, p->omega[c], p->view_omega[c], p->omega_rest[c]);
 }
 
+/* One component; a block of a column at a time, as these lie apart. */
+static void export_component(struct particles *p, int c)
+{
+    const double quantum = p->quantum;
+    for (int from = 0; from < p->count; from += PARTICLES_BLOCK) {
+        const int n = p->count - from < PARTICLES_BLOCK ? p->count - from : PARTICLES_BLOCK;
+        const int32_t *u = p->view_u[c] + particles_view_at(p, from);
+        const float *rest = p->u_rest[c] + from;
+        const double *listed = p->x_list[c] + from;
+        double *x = p->x[c] + from;
+        for (int k = 0; k < n; k++)
+            x[k] = listed[k] + quantum * ((double)u[k] + (double)rest[k]);
+    }
+}
+
 void particles_export_positions(struct particles *p)
 {
     for (int c = 0; p->mixed && c < p->dimension; c++)
-        for (int i = 0; i < p->count; i++)
-            p->x[c][i] = p->x_list[c][i] +
-                         p->quantum * ((double)p->view_u[c][particles_view_at(p, i)] + (double)p->u_rest[c][i]);
+        export_component(p, c);
 }
 
 double particles_velocity(const struct particles *p, int c, int i)

@@ -21,8 +21,10 @@ struct passing_pair {
 };
 
 struct passing_watch {
-    struct passing_pair *pair, *next; /* [capacity], in the order of ids; and the ones under construction */
+    struct passing_pair *pair, *next; /* [capacity], in the order of the list; and the ones under construction */
     size_t n, n_next, capacity;
+    int32_t *first, *before; /* [first_count] by id, the last pair with this i, [capacity] and the one before it; -1 */
+    int first_count;
     int64_t passed;  /* so far */
     int32_t last[2]; /* ids of the last two that did, and the step at which it was seen */
     int64_t last_step;
