@@ -3,9 +3,9 @@ struct NAME(normal_memory) {
     char none;
 };
 
-LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(void *const *history, size_t slot)
+LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(scalar *history, size_t width)
 {
     (void)history;
-    (void)slot;
+    (void)width;
     return (struct NAME(normal_memory)){0};
 }
