@@ -163,13 +163,14 @@ static void count_bytes(const struct sample *sample, struct row *row)
     const struct particles *p = &sample->particles;
     const int d = p->dimension, s = p->n_rotations, real = p->mixed ? 4 : 8;
     const int record = 8 * RECORD_STRIDE(d, s > 0, p->mixed), rows = SUMS_BYTES(d, s > 0, p->mixed);
-    const struct contact_model *model = &sample->pairs.model;
-    const double constant = (double)slot_column_offset(model, SLOT_HISTORY) / SET_WIDTH,
-                 history = (double)slot_column_offset(model, SLOT_COLUMNS) / SET_WIDTH - constant;
+    int history = 0;
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        history += history_has(&sample->pairs.model, c) ? real : 0;
+    const int constant = 4 + real + (p->mixed ? (d + 1) * real : 0);
     const int positions = d * real, velocities = (d + s) * real, radius = s ? real : 0;
     const int lags = s ? LAG_COLUMNS(d, p->mixed) * real : 0;
-    const int views = VIEW_COLUMNS(d, s > 0, p->mixed) * real + (p->mixed ? 0 : positions); /* double: and x */
-    const int pair = record + views + 2 * (rows + velocities); /* columns are velocities' size */
+    const int pair =
+        record + positions + velocities + lags + radius + 2 * (rows + velocities); /* columns are velocities' size */
     const int state = p->mixed ? 4 * (positions + velocities) : 8 * (2 * (d + d + s) + d) + 2 * velocities;
     const int factors = (s ? 3 : 1) * real, advance = 2 * rows + velocities + lags + state + factors + record;
     const int own = p->mixed ? 2 * (positions + velocities) : 8 * (d + d + s + d) + velocities;

@@ -5,9 +5,8 @@
 #include "sim/contacts/contact_list.h"
 
 struct contact_column {
-    const float *floats; /* of the first set of slots; one of these three */
+    const float *floats; /* of the slots; one of these three */
     const double *doubles, *copy;
-    size_t set;  /* members from a set to the next */
     double unit; /* of what the slots have; powers of 2 */
     bool odd;    /* whether it changes its sign when i and j change places */
 };
@@ -19,14 +18,13 @@ static inline struct contact_column contact_column_of(const struct contact_list 
     struct contact_column column = {.unit = field->length  ? slots->unit
                                             : field->force ? slots->force_unit
                                                            : 1,
-                                    .set = slots->set_bytes / (list->model.mixed ? sizeof(float) : sizeof(double)),
                                     .odd = history_is_odd(&list->model, c)};
     if (!list->closed)
         column.copy = list->history[c];
     else if (list->model.mixed)
-        column.floats = contact_slots_float(slots, SLOT_HISTORY + c, 0);
+        column.floats = slots->history[c];
     else
-        column.doubles = contact_slots_double(slots, SLOT_HISTORY + c, 0);
+        column.doubles = slots->history[c];
     return column;
 }
 
@@ -35,8 +33,8 @@ static inline double contact_column_value(const struct contact_column *column, c
 {
     if (column->copy)
         return column->copy[k];
-    const size_t slot = list->slot[k] / 2, at = slot / SET_WIDTH * column->set + slot % SET_WIDTH;
-    const double value = column->floats ? column->floats[at] : column->doubles[at];
+    const uint32_t slot = list->slot[k] / 2;
+    const double value = column->floats ? column->floats[slot] : column->doubles[slot];
     return (column->odd && list->slot[k] % 2 ? -column->unit : column->unit) * value;
 }
 

@@ -52,11 +52,19 @@ void contact_list_free(struct contact_list *list)
     free(list->j);
     free(list->slot);
     free(list->reach);
-    for (int c = 0; c < HISTORY_COLUMNS; c++)
+    for (int c = 0; c < PAIR_CONSTANTS; c++)
+        free(list->slots.pair[c]);
+    for (int c = 0; c < HISTORY_COLUMNS; c++) {
         free(list->history[c]);
+        free(list->slots.history[c]);
+    }
     free(list->scratch);
     free(list->slots.span);
     free(list->slots.first);
-    free(list->slots.set);
+    free(list->slots.partner);
+    free(list->slots.gap);
+    for (int c = 0; c < 3; c++)
+        free(list->slots.built[c]);
+    free(list->slots.reach);
     memset(list, 0, sizeof *list);
 }

@@ -23,43 +23,12 @@ struct contact_span {
     int next, whole, halves, end;
 };
 
-/* What a set has of its slots beside the partners, a column of SET_WIDTH members each, as far as the model has it:
- * double, or float if the contacts are mixed. */
-enum slot_column {
-    SLOT_REACH,                                /* a_i + a_j [unit], walls a_i [m] */
-    SLOT_GAP,                                  /* mixed: (a_i + a_j)^2 less the square of the distance when the lists
-                                                * were built [unit^2]; of walls the overlap then [unit] */
-    SLOT_BUILT,                                /* mixed: x_i - x_j when the lists were built [unit]; not of walls */
-    SLOT_PAIR = SLOT_BUILT + 3,                /* constants of each contact, if the normal law asks for them */
-    SLOT_HISTORY = SLOT_PAIR + PAIR_CONSTANTS, /* of i against j, lengths in units */
-    SLOT_COLUMNS = SLOT_HISTORY + HISTORY_COLUMNS
-};
-
-/* How many columns a model has before column c; in kernels a constant. */
-static inline int slot_column_place(const struct contact_model *model, int c)
-{
-    const int known = model->mixed ? 2 + model->dimension : 1;
-    const int pair = model->traits & NORMAL_PER_PAIR ? PAIR_CONSTANTS : 0;
-    if (c < SLOT_PAIR)
-        return c < known ? c : known;
-    return c < SLOT_HISTORY ? known + (pair ? c - SLOT_PAIR : 0)
-                            : known + pair + history_place(model, c - SLOT_HISTORY);
-}
-
-/* Where column c starts in a set; c = SLOT_COLUMNS: the size of a set [bytes]. */
-static inline size_t slot_column_offset(const struct contact_model *model, int c)
-{
-    const size_t real = model->mixed ? sizeof(float) : sizeof(double);
-    return SET_WIDTH * (sizeof(uint32_t) + real * (size_t)slot_column_place(model, c));
-}
-
 /* The kernels' order of a list, slot by slot; SET_WIDTH slots are a set. Pairs: a half of a set, in 3D a whole one,
  * belongs to particles that stand side by side, and its slot l holds a partner of the l-th, so that these are read and
  * summed without looking around; either member of a pair may be the one whose slot it is in. If most particles have a
  * candidate right behind them (neighbour_chains.h), these partners have sets of their own, each of SET_WIDTH particles
  * side by side, whose partners stand side by side as well. Walls: the members one after the other. Empty slots hold the
- * padding particle, which never touches, or partners out of reach. A set lies in one piece, its partners first, so that
- * kernels read one stream of memory. */
+ * padding particle, which never touches, or partners out of reach. Double, or float if the contacts are mixed. */
 struct contact_slots {
     struct contact_span *span; /* [n_spans] pairs */
     int n_spans, span_capacity;
@@ -67,26 +36,13 @@ struct contact_slots {
     double unit;       /* of lengths as told [m]: mixed: the quantum (particles.h), a power of 2; else 1 */
     double force_unit; /* of forces as told [N]: particles->force_unit */
     uint32_t *first;   /* [2 n_sets] pairs: the first of the particles i of each half */
-    char *set;         /* [n_sets][set_bytes] SET_WIDTH partners, where the record of j starts [doubles], walls: that of
-                        * i; and the columns */
-    size_t set_bytes, offset[SLOT_COLUMNS]; /* slot_column_offset */
+    uint32_t *partner; /* [slots] where the record of j starts [doubles]; walls: that of i */
+    float *built[3];   /* mixed: x_i - x_j when the lists were built [unit]; not of walls */
+    float *gap;        /* mixed: (a_i + a_j)^2 less that distance's square [unit^2]; of walls the overlap then [unit] */
+    void *reach;       /* a_i + a_j [unit], walls a_i [m] */
+    void *pair[PAIR_CONSTANTS];     /* of each contact; NULL: the normal law does not ask */
+    void *history[HISTORY_COLUMNS]; /* of i against j, lengths in units; NULL: the model has no such column */
 };
-
-/* The partner of a slot, and its member of a column. */
-static inline uint32_t *contact_slots_partner(const struct contact_slots *slots, size_t slot)
-{
-    return (uint32_t *)(slots->set + slot / SET_WIDTH * slots->set_bytes) + slot % SET_WIDTH;
-}
-
-static inline float *contact_slots_float(const struct contact_slots *slots, int c, size_t slot)
-{
-    return (float *)(slots->set + slot / SET_WIDTH * slots->set_bytes + slots->offset[c]) + slot % SET_WIDTH;
-}
-
-static inline double *contact_slots_double(const struct contact_slots *slots, int c, size_t slot)
-{
-    return (double *)(slots->set + slot / SET_WIDTH * slots->set_bytes + slots->offset[c]) + slot % SET_WIDTH;
-}
 
 /* Candidates for contact, sorted by (i, j). Open candidates have zero history and force. The history belongs to the
  * slots as soon as the list is closed; until then, and after contact_list_read, the list has a copy in its own order.
@@ -148,9 +104,6 @@ enum status contact_list_close(struct contact_list *list, const struct particles
 /* The same but for the history, which the caller is to write into every slot (history_transfer.h). */
 enum status contact_list_place(struct contact_list *list, const struct particles *particles,
                                const struct wall *wall) MUST_USE;
-
-/* The slots of a list that has its place remember nothing. */
-void contact_list_empty_slots(struct contact_list *list);
 
 /* Makes room for `capacity` members; contents are kept. */
 enum status contact_list_reserve(struct contact_list *list, int capacity, int dimension) MUST_USE;

@@ -7,35 +7,41 @@
 #include "sim/contacts/contact_list.h"
 #include "sim/contacts/slot_assignment.h"
 
-static enum status slots_reserve(struct contact_list *list)
+static enum status slots_reserve(struct contact_list *list, int dimension)
 {
     struct contact_slots *slots = &list->slots;
-    for (int c = 0; c < SLOT_COLUMNS; c++)
-        slots->offset[c] = slot_column_offset(&list->model, c);
-    slots->set_bytes = slot_column_offset(&list->model, SLOT_COLUMNS);
+    const size_t real = list->model.mixed ? sizeof(float) : sizeof(double);
     if (list->n_sets <= slots->capacity)
         return STATUS_OK;
-    const size_t sets = (size_t)list->n_sets + (size_t)list->n_sets / 8;
-    if (sets * slots->set_bytes / sizeof(float) > INT32_MAX) /* history_transfer.c counts them in integers */
-        return status_fail(STATUS_LIMIT, "%d candidates for contact are too many", list->count);
+    size_t sets = (size_t)list->n_sets + (size_t)list->n_sets / 8;
+    size_t size = sets * SET_WIDTH;
     TRY(array_resize(&slots->first, sizeof *slots->first, 2 * sets, 0));
-    TRY(array_resize(&slots->set, slots->set_bytes, sets, 0));
+    TRY(array_resize(&slots->partner, sizeof *slots->partner, size, 0));
+    for (int c = 0; list->model.mixed && c < dimension; c++)
+        TRY(array_resize(&slots->built[c], sizeof(float), size, 0));
+    if (list->model.mixed)
+        TRY(array_resize(&slots->gap, sizeof(float), size, 0));
+    TRY(array_resize(&slots->reach, real, size, 0));
+    for (int c = 0; list->model.traits & NORMAL_PER_PAIR && c < PAIR_CONSTANTS; c++)
+        TRY(array_resize(&slots->pair[c], real, size, 0));
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        if (history_has(&list->model, c))
+            TRY(array_resize(&slots->history[c], real, size, 0));
     slots->capacity = (int)sets;
     return STATUS_OK;
 }
 
-static void put(const struct contact_list *list, int c, size_t slot, double value)
+static void put(const struct contact_list *list, void *array, size_t slot, double value)
 {
     if (list->model.mixed)
-        *contact_slots_float(&list->slots, c, slot) = (float)value;
+        ((float *)array)[slot] = (float)value;
     else
-        *contact_slots_double(&list->slots, c, slot) = value;
+        ((double *)array)[slot] = value;
 }
 
-static double get(const struct contact_list *list, int c, size_t slot)
+static double get(const struct contact_list *list, const void *array, size_t slot)
 {
-    return list->model.mixed ? *contact_slots_float(&list->slots, c, slot)
-                             : *contact_slots_double(&list->slots, c, slot);
+    return list->model.mixed ? ((const float *)array)[slot] : ((const double *)array)[slot];
 }
 
 /* What column c of member k is multiplied by on its way into the slots: its sign if the slot is j's, and the unit. */
@@ -53,6 +59,7 @@ struct filling {
     const struct wall *wall;
     uint32_t stride, padding_row;
     double nothing; /* reach of the padding particle */
+    int column;     /* of the history */
 };
 
 enum { FILL_GRAIN = 16384 };
@@ -63,16 +70,19 @@ static void empty_slots(void *context, int first, int end)
 {
     const struct filling *f = context;
     const struct contact_list *list = f->list;
+    const size_t from = (size_t)first, to = (size_t)end;
     const struct contact_slots *slots = &list->slots;
-    for (size_t s = (size_t)first; s < (size_t)end; s++) {
-        *contact_slots_partner(slots, s) = f->padding_row;
-        put(list, SLOT_REACH, s, f->nothing);
-        if (!list->model.mixed)
-            continue;
-        *contact_slots_float(slots, SLOT_GAP, s) = -0x1p80F;
-        for (int c = 0; c < list->model.dimension; c++)
-            *contact_slots_float(slots, SLOT_BUILT + c, s) = c == 0 ? 0x1p40F : 0;
+    for (size_t s = from; s < to; s++) {
+        slots->partner[s] = f->padding_row;
+        if (list->model.mixed) {
+            slots->gap[s] = -0x1p80F;
+            slots->built[0][s] = 0x1p40F;
+        }
     }
+    for (int c = 1; list->model.mixed && c < f->particles->dimension; c++)
+        memset(slots->built[c] + from, 0, sizeof(float) * (to - from));
+    for (size_t s = from; s < to; s++)
+        put(list, slots->reach, s, f->nothing);
 }
 
 /* Single: where the partner of slot s was when the lists were built, from particle i; of walls only how far. per_unit:
@@ -82,17 +92,16 @@ static void fill_built(struct contact_list *list, size_t s, double reach, const 
 {
     struct contact_slots *slots = &list->slots;
     if (wall) {
-        *contact_slots_float(slots, SLOT_GAP, s) =
-            (float)((reach - wall->inward * (p->x_list[wall->axis][i] - wall->x_list)) * per_unit);
+        slots->gap[s] = (float)((reach - wall->inward * (p->x_list[wall->axis][i] - wall->x_list)) * per_unit);
         return;
     }
     double gap = reach * reach;
     for (int c = 0; c < p->dimension; c++) {
         double d = p->x_list[c][i] - p->x_list[c][j];
-        *contact_slots_float(slots, SLOT_BUILT + c, s) = (float)(d * per_unit);
+        slots->built[c][s] = (float)(d * per_unit);
         gap -= d * d;
     }
-    *contact_slots_float(slots, SLOT_GAP, s) = (float)(gap * (per_unit * per_unit));
+    slots->gap[s] = (float)(gap * (per_unit * per_unit));
 }
 
 /* Empty slots have those of two particles of mass and radius 1, so that lanes of theirs stay finite. */
@@ -101,7 +110,7 @@ static void empty_pair_constants(void *context, int first, int end)
     const struct contact_list *list = ((const struct filling *)context)->list;
     for (size_t s = (size_t)first; s < (size_t)end; s++)
         for (int c = 0; c < PAIR_CONSTANTS; c++)
-            put(list, SLOT_PAIR + c, s, 1);
+            put(list, list->slots.pair[c], s, 1);
 }
 
 static void fill_pair_constants(void *context, int first, int end)
@@ -116,8 +125,8 @@ static void fill_pair_constants(void *context, int first, int end)
         const int i = list->i[k], j = list->j[k];
         const double mass = wall ? p->mass[i] : p->mass[i] * p->mass[j] / (p->mass[i] + p->mass[j]);
         const double radius = wall ? p->radius[i] : p->radius[i] * p->radius[j] / list->reach[k];
-        put(list, SLOT_PAIR + PAIR_ROOT_MASS, s, sqrt(mass));
-        put(list, SLOT_PAIR + PAIR_RADIUS, s, radius / slots->unit);
+        put(list, slots->pair[PAIR_ROOT_MASS], s, sqrt(mass));
+        put(list, slots->pair[PAIR_RADIUS], s, radius / slots->unit);
     }
 }
 
@@ -128,40 +137,34 @@ static void fill_slots(void *context, int first, int end)
     const struct particles *p = f->particles;
     const struct wall *wall = f->wall;
     const uint32_t stride = f->stride;
-    const double per_unit = 1 / list->slots.unit, reach_per = wall ? 1 : per_unit;
+    struct contact_slots *slots = &list->slots;
+    const double per_unit = 1 / slots->unit, reach_per = wall ? 1 : per_unit;
     for (int k = first; k < end; k++) {
         const size_t s = list->slot[k] / 2;
         const int32_t turned = wall || list->slot[k] % 2; /* no branch: it could not be predicted */
         const int32_t both = list->i[k] ^ list->j[k], j = list->j[k] ^ (both & -turned);
         const int32_t i = wall ? list->i[k] : both ^ j;
-        *contact_slots_partner(&list->slots, s) = stride * (uint32_t)j;
+        slots->partner[s] = stride * (uint32_t)j;
         if (list->model.mixed)
             fill_built(list, s, list->reach[k], p, i, j, wall, per_unit);
-        put(list, SLOT_REACH, s, list->reach[k] * reach_per);
+        put(list, slots->reach, s, list->reach[k] * reach_per);
     }
 }
 
-static void empty_history(void *context, int first, int end)
+static void empty_column(void *context, int first, int end)
 {
-    const struct contact_list *list = ((const struct filling *)context)->list;
-    const struct contact_slots *slots = &list->slots;
-    for (int set = first / SET_WIDTH; set < end / SET_WIDTH; set++)
-        memset(slots->set + (size_t)set * slots->set_bytes + slots->offset[SLOT_HISTORY], 0,
-               slots->set_bytes - slots->offset[SLOT_HISTORY]);
+    const struct filling *f = context;
+    const size_t real = f->list->model.mixed ? sizeof(float) : sizeof(double);
+    memset((char *)f->list->slots.history[f->column] + real * (size_t)first, 0, real * (size_t)(end - first));
 }
 
-void contact_list_empty_slots(struct contact_list *list)
+static void fill_column(void *context, int first, int end)
 {
-    struct filling f = {.list = list};
-    team_run_ranges(list->team, list->n_sets * SET_WIDTH, FILL_GRAIN, empty_history, &f);
-}
-
-static void fill_history(void *context, int first, int end)
-{
-    const struct contact_list *list = ((const struct filling *)context)->list;
-    for (int c = 0; c < HISTORY_COLUMNS; c++)
-        for (int k = first; history_has(&list->model, c) && k < end; k++)
-            put(list, SLOT_HISTORY + c, list->slot[k] / 2, into_slot(list, c, k) * list->history[c][k]);
+    const struct filling *f = context;
+    const struct contact_list *list = f->list;
+    for (int k = first; k < end; k++)
+        put(list, list->slots.history[f->column], list->slot[k] / 2,
+            into_slot(list, f->column, k) * list->history[f->column][k]);
 }
 
 static enum status spans_reserve(struct contact_slots *slots, int n)
@@ -214,7 +217,7 @@ static enum status assign_pairs(struct contact_list *list, const struct particle
     const int width = p->dimension == 2 ? HALF_WIDTH : SET_WIDTH,
               span_width = p->dimension == 2 && p->count < PARTICLES_LARGE_SAMPLE ? WIDE_SPAN : SPAN_WIDTH;
     TRY(slot_assignment_make(list, p->count, width, span_width, &assignment));
-    TRY(slots_reserve(list));
+    TRY(slots_reserve(list, p->dimension));
     TRY(spans_reserve(&list->slots, assignment.n_spans));
     list->slots.n_spans = assignment.n_spans;
     for (int s = 0; s < assignment.n_spans; s++)
@@ -223,12 +226,12 @@ static enum status assign_pairs(struct contact_list *list, const struct particle
     return STATUS_OK;
 }
 
-static enum status assign_wall(struct contact_list *list)
+static enum status assign_wall(struct contact_list *list, int dimension)
 {
     list->n_sets = (list->count + SET_WIDTH - 1) / SET_WIDTH;
     for (int k = 0; k < list->count; k++)
         list->slot[k] = 2 * (uint32_t)k;
-    return slots_reserve(list);
+    return slots_reserve(list, dimension);
 }
 
 /* First all slots, then those of the members. */
@@ -253,11 +256,11 @@ enum status contact_list_place(struct contact_list *list, const struct particles
     list->closed = true;
     list->slots.unit = list->model.mixed ? particles->quantum : 1;
     list->slots.force_unit = particles->force_unit;
-    TRY(wall ? assign_wall(list) : assign_pairs(list, particles));
+    TRY(wall ? assign_wall(list, particles->dimension) : assign_pairs(list, particles));
     if (list->count == 0)
         return STATUS_OK;
     /* nothing: no reach, and for walls less than none, for they know no distance to the padding particle */
-    struct filling f = {list, particles, wall, stride, stride * padding_of(particles, wall), wall ? -1e30 : 0};
+    struct filling f = {list, particles, wall, stride, stride * padding_of(particles, wall), wall ? -1e30 : 0, 0};
     fill_all(&f, empty_slots, fill_slots);
     if (list->model.traits & NORMAL_PER_PAIR)
         fill_all(&f, empty_pair_constants, fill_pair_constants);
@@ -268,8 +271,9 @@ enum status contact_list_close(struct contact_list *list, const struct particles
 {
     TRY(contact_list_place(list, particles, wall));
     struct filling f = {.list = list};
-    if (list->count)
-        fill_all(&f, empty_history, fill_history);
+    for (f.column = 0; list->count && f.column < HISTORY_COLUMNS; f.column++)
+        if (history_has(&list->model, f.column))
+            fill_all(&f, empty_column, fill_column);
     for (int c = 0; c < HISTORY_COLUMNS; c++) /* the slots have it now */
         array_forget(list->history[c], sizeof(double), (size_t)list->count);
     return STATUS_OK;
@@ -279,7 +283,7 @@ double contact_list_value(const struct contact_list *list, int c, int k)
 {
     if (!list->closed)
         return list->history[c][k];
-    return get(list, SLOT_HISTORY + c, list->slot[k] / 2) / into_slot(list, c, k);
+    return get(list, list->slots.history[c], list->slot[k] / 2) / into_slot(list, c, k);
 }
 
 double contact_list_whole(const struct contact_list *list, int c, int k)

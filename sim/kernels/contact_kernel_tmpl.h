@@ -10,30 +10,6 @@ LANES_INLINE size_t NAME(sum_at)(size_t i)
     return COLUMN_AT(SUMS_COLUMNS(DIM, FRICTIONAL), i);
 }
 
-/* The set of slot k; a column of it, and its partners, from slot k on. */
-LANES_INLINE size_t NAME(set_bytes)(void)
-{
-    const struct contact_model model = NAME(model)();
-    return slot_column_offset(&model, SLOT_COLUMNS);
-}
-LANES_INLINE char *NAME(set)(const struct contact_slots *slots, size_t k)
-{
-    return slots->set + k / SET_WIDTH * NAME(set_bytes)();
-}
-LANES_INLINE scalar *NAME(column)(const struct contact_slots *slots, int c, size_t k)
-{
-    const struct contact_model model = NAME(model)();
-    return (scalar *)(NAME(set)(slots, k) + slot_column_offset(&model, c)) + k % SET_WIDTH;
-}
-LANES_INLINE const uint32_t *NAME(partners)(const struct contact_slots *slots, size_t k)
-{
-    return (const uint32_t *)NAME(set)(slots, k) + k % SET_WIDTH;
-}
-LANES_INLINE struct NAME(memory) NAME(memory_of)(const struct contact_slots *slots, size_t k)
-{
-    return NAME(memory_at)(NAME(column)(slots, SLOT_PAIR, k), NAME(column)(slots, SLOT_HISTORY, k), SET_WIDTH);
-}
-
 /* Records of LANES particles: position, velocity, rotation, and lags (particles.h). Single: positions are those of the
  * lists plus so many quanta, integers in a float's place. */
 struct NAME(other) {
@@ -188,7 +164,6 @@ struct NAME(range) {
     size_t first, last; /* sets */
     void *force;
     scalar *own; /* column of force 0 */
-    bool large;
 };
 
 /* The particles i of a set from its slot l on. */
@@ -211,16 +186,16 @@ LANES_INLINE struct NAME(sides) NAME(approach)(const struct NAME(range) * r, enu
     struct NAME(sides) at;
     const size_t k = set * SET_WIDTH + l;
     const struct NAME(seats) seats = NAME(seats)(r, kind, set, l);
-    at.inverse = real_load(NAME(column)(slots, SLOT_REACH, k));
+    at.inverse = real_load((const scalar *)slots->reach + k);
     const struct NAME(other) i = NAME(beside)(p, &seats, false), j = kind == PAIRS_NEXT
                                                                          ? NAME(beside)(p, &seats, true)
-                                                                         : NAME(other)(p, NAME(partners)(slots, k));
+                                                                         : NAME(other)(p, slots->partner + k);
 #if SINGLE
     /* d = D + u_i - u_j in quanta, D at the last build; reach^2 - d^2 = (reach^2 - D^2) - (d + D)(d - D), of which
      * nothing is a difference of large numbers */
-    real gap = real_load(NAME(column)(slots, SLOT_GAP, k));
+    real gap = real_load(slots->gap + k);
     for (int c = 0; c < DIM; c++) {
-        real built = real_load(NAME(column)(slots, SLOT_BUILT + c, k)), moved = f32_of_difference(i.x[c], j.x[c]);
+        real built = real_load(slots->built[c] + k), moved = f32_of_difference(i.x[c], j.x[c]);
         at.d[c] = built + moved;
         gap = real_fma(-moved, at.d[c] + built, gap);
     }
@@ -329,7 +304,7 @@ LANES_INLINE void NAME(add_pair)(const struct NAME(range) * r, enum pair_kind ki
     const bool next = kind == PAIRS_NEXT;
     scalar *to = r->own;
     if (!next)
-        NAME(add_rows)(r->force, NAME(partners)(&r->slots, set * SET_WIDTH + l), result);
+        NAME(add_rows)(r->force, r->slots.partner + set * SET_WIDTH + l, result);
     for (int c = 0; c < DIM; c++, to += PARTICLES_BLOCK)
         if (next)
             real_store(to + seats.first, REAL(shifted)(before->force[c], result->force[c]) - result->force[c]);
@@ -395,7 +370,7 @@ LANES_INLINE void NAME(tests)(struct NAME(chunk) * chunk, const struct NAME(law)
                               const struct contact_slots *slots, size_t k, int n, struct NAME(sums) * sums)
 {
     for (int m = 0; m < n; m++) {
-        const struct NAME(memory) memory = NAME(memory_of)(slots, k + (size_t)m * LANES);
+        const struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
         const struct NAME(meeting) at = APART ? NAME(meet)(law, &chunk->set[m].sides) : chunk->set[m].at;
         struct NAME(touch) touch = NAME(touch)(law, &at, &memory, sums);
 #if FRICTIONAL
@@ -406,7 +381,7 @@ LANES_INLINE void NAME(tests)(struct NAME(chunk) * chunk, const struct NAME(law)
     }
 #if FRICTIONAL
     for (int m = 0; m < n && APART; m++) {
-        const struct NAME(memory) memory = NAME(memory_of)(slots, k + (size_t)m * LANES);
+        const struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
         NAME(keep)(law, &chunk->set[m].touch, &memory);
     }
 #endif
@@ -417,7 +392,7 @@ LANES_INLINE struct NAME(contact_result)
     NAME(force_of)(const struct NAME(chunk) * chunk, const struct NAME(law) * law, const struct contact_slots *slots,
                    size_t k, int m, struct NAME(sums) * sums)
 {
-    const struct NAME(memory) memory = NAME(memory_of)(slots, k + (size_t)m * LANES);
+    const struct NAME(memory) memory = NAME(memory_at)(slots->pair, slots->history, k + (size_t)m * LANES);
     const struct NAME(touch) touch = chunk->set[m].touch;
     return NAME(force)(law, &touch, &memory, sums);
 }
@@ -469,7 +444,7 @@ LANES_INLINE void NAME(go_on)(const struct NAME(range) * r, enum pair_kind kind,
                               struct NAME(under_way) * way, struct NAME(sums) * sums)
 {
     const size_t l = NAME(in_turn)(kind, turn), ahead = turn + 2 * LANES, set_ahead = set + ahead / SET_WIDTH;
-    struct NAME(memory) memory = NAME(memory_of)(&r->slots, set * SET_WIDTH + l);
+    struct NAME(memory) memory = NAME(memory_at)(r->slots.pair, r->slots.history, set * SET_WIDTH + l);
     const struct NAME(meeting) at = NAME(meet)(&r->law, &way->next);
     way->next = way->near;
     NAME(root)(&way->next);
@@ -509,24 +484,12 @@ LANES_INLINE void NAME(go_through)(const struct NAME(range) * r, enum pair_kind 
         NAME(add_pair)(r, kind, way.done_set, way.done_l, &way.done, &way.before);
 }
 #else
-/* Large samples: the parts of a chunk do not go through the memory of its sets in order, so that the CPU does not see
- * it coming; each set asks for one that is some ahead. */
-LANES_INLINE void NAME(ask_ahead)(const struct contact_slots *slots, size_t k)
-{
-    enum { SETS_AHEAD = 8, LINE = 64 };
-    const char *from = NAME(set)(slots, k + SETS_AHEAD * SET_WIDTH);
-    for (size_t b = 0; b < NAME(set_bytes)(); b += LINE)
-        __builtin_prefetch(from + b, 0, 2);
-}
-
 /* n sets of pairs from slot k on, as the law wants them. */
 LANES_INLINE void NAME(meet_pairs)(struct NAME(chunk) * chunk, const struct NAME(range) * r, enum pair_kind kind,
                                    size_t k, int n)
 {
     for (int m = 0; m < n; m++) {
         const size_t at = k + (size_t)m * LANES;
-        if (r->large && at % SET_WIDTH == 0)
-            NAME(ask_ahead)(&r->slots, at);
         struct NAME(sides) sides = NAME(approach)(r, kind, at / SET_WIDTH, at % SET_WIDTH);
         NAME(root)(&sides);
         NAME(keep_meeting)(chunk, m, &r->law, &sides);
@@ -618,12 +581,12 @@ static void NAME(pair)(const struct particles *p, struct contact_list *pairs, in
                                 .unit = (scalar)pairs->slots.unit,
                                 .per_unit = (scalar)(1 / pairs->slots.unit),
                                 .force = force,
-                                .own = own,
-                                .large = p->count >= PARTICLES_LARGE_SAMPLE};
+                                .own = own};
+    const bool large = p->count >= PARTICLES_LARGE_SAMPLE;
     struct NAME(sums) sums = {0};
     struct NAME(totals) totals = {0};
     for (int s = first; s < last; s++) {
-        if (range.large)
+        if (large)
             NAME(fetch)(p, force, &pairs->slots.span[s]);
         NAME(go_through_span)(&range, &pairs->slots.span[s], &sums, &totals);
     }
@@ -643,11 +606,10 @@ LANES_INLINE real NAME(overlap)(const struct particles *p, const struct wall *wa
 {
 #if SINGLE
     real moved = f32_of_difference(x, f32_all_integers(NAME(wall_moved)(p, wall)));
-    return real_fma(real_all(-wall->inward), moved, real_load(NAME(column)(&wall->contacts.slots, SLOT_GAP, k)));
+    return real_fma(real_all(-wall->inward), moved, real_load(wall->contacts.slots.gap + k));
 #else
     (void)p;
-    return real_load(NAME(column)(&wall->contacts.slots, SLOT_REACH, k)) -
-           real_all(wall->inward) * (x - real_all(wall->x));
+    return real_load((const scalar *)wall->contacts.slots.reach + k) - real_all(wall->inward) * (x - real_all(wall->x));
 #endif
 }
 
@@ -655,7 +617,7 @@ LANES_INLINE real NAME(overlap)(const struct particles *p, const struct wall *wa
 LANES_INLINE struct NAME(sides) NAME(meet_wall)(const struct particles *p, const struct wall *wall, size_t k)
 {
     const struct contact_slots *slots = &wall->contacts.slots;
-    const struct NAME(other) i = NAME(other)(p, NAME(partners)(slots, k));
+    const struct NAME(other) i = NAME(other)(p, slots->partner + k);
     struct NAME(sides) at;
     real x = i.x[0];
     for (int c = 0; c < DIM; c++) {
@@ -666,7 +628,7 @@ LANES_INLINE struct NAME(sides) NAME(meet_wall)(const struct particles *p, const
     at.delta = real_larger(NAME(overlap)(p, wall, k, x), real_all(0.0));
     at.inverse = real_where(real_greater(at.delta, real_all(0.0)), real_all(1.0));
 #if FRICTIONAL
-    const real a_i = real_load(NAME(column)(slots, SLOT_REACH, k));
+    const real a_i = real_load((const scalar *)slots->reach + k);
     at.arm = real_all(1.0) - at.delta * real_all((scalar)slots->unit) / a_i;
 #if ROLLING
     at.radius = a_i;
@@ -700,7 +662,7 @@ LANES_INLINE void NAME(add_wall)(void *force, const struct wall *wall, size_t k,
     for (int c = 0; c < SPRINGS; c++)
         result.moment[c] = result.own[c];
 #endif
-    NAME(add_rows)(force, NAME(partners)(&wall->contacts.slots, k), &result);
+    NAME(add_rows)(force, wall->contacts.slots.partner + k, &result);
     real onto = result.force[0];
     for (int c = 1; c < DIM; c++)
         onto = c == wall->axis ? result.force[c] : onto;

@@ -25,11 +25,6 @@
 /* Components of the tangential spring, of rotations and of moments. */
 #define SPRINGS (2 * DIM - 3)
 
-#undef TRAITS_
-#undef TRAITS
-#define TRAITS_(normal) normal_##normal##_traits
-#define TRAITS(normal)  TRAITS_(normal)
-
 /* LANES doubles. */
 struct NAME(doubles) {
     f64 part[PARTS];
@@ -82,26 +77,6 @@ LANES_INLINE void NAME(close)(real *sum, struct NAME(doubles) * total)
 {
     *total = NAME(doubles_add)(*total, NAME(doubles_of)(*sum));
     *sum = real_all(0.0);
-}
-
-#include NORMAL_TEXT
-
-/* What the history of this model depends on. */
-LANES_INLINE struct contact_model NAME(model)(void)
-{
-    return (struct contact_model){.dimension = DIM,
-                                  .frictional = FRICTIONAL,
-                                  .rolling = ROLLING,
-                                  .torsion = TORSION,
-                                  .mixed = SINGLE,
-                                  .traits = TRAITS(NORMAL)};
-}
-
-/* Column c of the history of LANES contacts, of which `history` is the first column; `width` members to the next. */
-LANES_INLINE scalar *NAME(history_at)(scalar *history, size_t width, int c)
-{
-    const struct contact_model model = NAME(model)();
-    return history + width * (size_t)history_place(&model, c);
 }
 
 /* The text of a normal law gives, each for lanes of this model:
@@ -203,33 +178,32 @@ struct NAME(memory) {
 #endif
 };
 
-/* pair, history: the first columns of each; `width` members to the next. */
-LANES_INLINE struct NAME(memory) NAME(memory_at)(const scalar *pair, scalar *history, size_t width)
+/* pair, history: the columns of the slots. */
+LANES_INLINE struct NAME(memory) NAME(memory_at)(void *const *pair, void *const *history, size_t slot)
 {
-    struct NAME(memory) memory = {.normal = NAME(normal_memory_at)(history, width)};
+    struct NAME(memory) memory = {.normal = NAME(normal_memory_at)(history, slot)};
     (void)pair;
 #if PER_PAIR
-    memory.root_mass = pair + width * PAIR_ROOT_MASS;
-    memory.radius = pair + width * PAIR_RADIUS;
+    memory.root_mass = (const scalar *)pair[PAIR_ROOT_MASS] + slot;
+    memory.radius = (const scalar *)pair[PAIR_RADIUS] + slot;
 #endif
 #if FRICTIONAL
-    const int spring = MINDLIN ? HISTORY_FORCE : HISTORY_SPRING,
-              rest = MINDLIN ? HISTORY_FORCE_REST : HISTORY_SPRING_REST;
-    memory.sliding = NAME(history_at)(history, width, HISTORY_SLIDING);
+    memory.sliding = (scalar *)history[HISTORY_SLIDING] + slot;
     for (int c = 0; c < SPRINGS; c++) {
-        memory.spring[c] = NAME(history_at)(history, width, spring + c);
-        memory.rest[c] = SINGLE ? NAME(history_at)(history, width, rest + c) : NULL;
+        memory.spring[c] = (scalar *)history[(MINDLIN ? HISTORY_FORCE : HISTORY_SPRING) + c] + slot;
+        memory.rest[c] =
+            SINGLE ? (scalar *)history[(MINDLIN ? HISTORY_FORCE_REST : HISTORY_SPRING_REST) + c] + slot : NULL;
     }
 #endif
 #if ROLLING
     for (int c = 0; c < SPRINGS; c++) {
-        memory.rolling[c] = NAME(history_at)(history, width, HISTORY_ROLLING + c);
-        memory.rolling_rest[c] = SINGLE ? NAME(history_at)(history, width, HISTORY_ROLLING_REST + c) : NULL;
+        memory.rolling[c] = (scalar *)history[HISTORY_ROLLING + c] + slot;
+        memory.rolling_rest[c] = SINGLE ? (scalar *)history[HISTORY_ROLLING_REST + c] + slot : NULL;
     }
 #endif
 #if TORSION
-    memory.torsion = NAME(history_at)(history, width, HISTORY_TORSION);
-    memory.torsion_rest = SINGLE ? NAME(history_at)(history, width, HISTORY_TORSION_REST) : NULL;
+    memory.torsion = (scalar *)history[HISTORY_TORSION] + slot;
+    memory.torsion_rest = SINGLE ? (scalar *)history[HISTORY_TORSION_REST] + slot : NULL;
 #endif
     return memory;
 }

@@ -9,10 +9,10 @@ LANES_INLINE struct NAME(law) NAME(law_of_look)(const struct contact_law_constan
 }
 
 /* history: columns of this one contact, changed to no purpose. */
-LANES_INLINE void NAME(contact_look)(const struct NAME(law) * law, const struct NAME(sides) * of, const double *pair,
-                                     double *history, struct contact_forces *f)
+LANES_INLINE void NAME(contact_look)(const struct NAME(law) * law, const struct NAME(sides) * of, void *const *pair,
+                                     void *const *history, struct contact_forces *f)
 {
-    const struct NAME(memory) memory = NAME(memory_at)(pair, history, 1);
+    const struct NAME(memory) memory = NAME(memory_at)(pair, history, 0);
     struct NAME(sums) sums = {0};
     const struct NAME(meeting) at = NAME(meet)(law, of);
 #if TORSION /* before it slides */

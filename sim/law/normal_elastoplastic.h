@@ -151,9 +151,9 @@ LANES_INLINE real NAME(normal_friction_limit)(const struct NAME(normal_law) * la
     return real_fma(real_all(law->kc), delta, -pressing);
 }
 
-LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(scalar *history, size_t width)
+LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(void *const *history, size_t slot)
 {
-    return (struct NAME(normal_memory)){.max_overlap = NAME(history_at)(history, width, HISTORY_MAX_OVERLAP)};
+    return (struct NAME(normal_memory)){.max_overlap = (scalar *)history[HISTORY_MAX_OVERLAP] + slot};
 }
 
 LANES_INLINE void NAME(normal_sums_close)(struct NAME(normal_sums) * sums, struct NAME(normal_totals) * totals)

@@ -141,13 +141,13 @@ LANES_INLINE real NAME(normal_friction_limit)(const struct NAME(normal_law) * la
     return -pressing;
 }
 
-LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(scalar *history, size_t width)
+LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(void *const *history, size_t slot)
 {
     struct NAME(normal_memory) memory = {NULL};
     (void)history;
-    (void)width;
+    (void)slot;
 #if FRICTIONAL
-    memory.contact_radius = NAME(history_at)(history, width, HISTORY_CONTACT_RADIUS);
+    memory.contact_radius = (scalar *)history[HISTORY_CONTACT_RADIUS] + slot;
 #endif
     return memory;
 }

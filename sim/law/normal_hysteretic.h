@@ -93,9 +93,9 @@ LANES_INLINE real NAME(normal_energy)(const struct NAME(normal_law) * law, real 
     return elastic * elastic / real_all(2 * law->k2);
 }
 
-LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(scalar *history, size_t width)
+LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(void *const *history, size_t slot)
 {
-    return (struct NAME(normal_memory)){.max_overlap = NAME(history_at)(history, width, HISTORY_MAX_OVERLAP)};
+    return (struct NAME(normal_memory)){.max_overlap = (scalar *)history[HISTORY_MAX_OVERLAP] + slot};
 }
 
 LANES_INLINE void NAME(normal_sums_close)(struct NAME(normal_sums) * sums, struct NAME(normal_totals) * totals)

@@ -3,9 +3,9 @@ struct NAME(normal_memory) {
     char none;
 };
 
-LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(scalar *history, size_t width)
+LANES_INLINE struct NAME(normal_memory) NAME(normal_memory_at)(void *const *history, size_t slot)
 {
     (void)history;
-    (void)width;
+    (void)slot;
     return (struct NAME(normal_memory)){0};
 }

@@ -2,16 +2,17 @@
 
 #include <string.h>
 
-/* The history on its way from one list to another. */
+/* A column of the history on its way from one list to another; ranges are of slots, or of members. */
 struct transfer {
     struct contact_list *to;
     const struct contact_list *from;
     const int32_t *source;
     const struct search *search;
-    struct transfer_columns columns;
+    int column;
+    float factor; /* of lengths, from one unit to the other */
 };
 
-enum { TRANSFER_GRAIN = 16384, TRANSFER_SETS = TRANSFER_GRAIN / SET_WIDTH };
+enum { TRANSFER_GRAIN = 16384 };
 
 static void empty_sources(void *context, int first, int end)
 {
@@ -36,38 +37,41 @@ static enum status find_sources(struct transfer *t)
     const int slots = t->to->n_sets * SET_WIDTH;
     TRY(contact_list_work(t->to, (size_t)slots, 0));
     team_run_ranges(t->to->team, slots, TRANSFER_GRAIN, empty_sources, t);
-    team_run_ranges(t->to->team, t->to->count, TRANSFER_GRAIN, find_source, t);
+    if (t->from->count)
+        team_run_ranges(t->to->team, t->to->count, TRANSFER_GRAIN, find_source, t);
     return STATUS_OK;
 }
 
-static void transfer_sets(void *context, int first, int end)
+static void transfer_slots(void *context, int first, int end)
 {
     const struct transfer *t = context;
-    const struct contact_slots *to = &t->to->slots, *from = &t->from->slots;
-    const size_t slot = (size_t)first * SET_WIDTH;
-    if (t->to->model.mixed)
-        t->search->transfer_floats(contact_slots_float(to, SLOT_HISTORY, slot),
-                                   contact_slots_float(from, SLOT_HISTORY, 0), t->to->scratch + slot, end - first,
-                                   &t->columns);
+    const size_t real = t->to->model.mixed ? sizeof(float) : sizeof(double);
+    void *array = (char *)t->to->slots.history[t->column] + real * (size_t)first;
+    const void *known = t->from->slots.history[t->column];
+    const int32_t *source = t->to->scratch + first;
+    const bool turns = history_is_odd(&t->to->model, t->column);
+    if (t->from->count == 0)
+        memset(array, 0, real * (size_t)(end - first));
+    else if (t->to->model.mixed)
+        t->search->transfer_floats(array, known, source, end - first, turns);
     else
-        t->search->transfer_doubles(contact_slots_double(to, SLOT_HISTORY, slot),
-                                    contact_slots_double(from, SLOT_HISTORY, 0), t->to->scratch + slot, end - first,
-                                    &t->columns);
+        t->search->transfer_doubles(array, known, source, end - first, turns);
 }
 
-/* Lengths of a list with another unit change by `scale`; units are powers of 2, so that nothing is rounded. */
-static void set_columns(struct transfer *t, double scale)
+/* Lengths of a list with another unit; they are powers of 2, so that nothing is rounded. Double has but one. */
+static void convert_slots(void *context, int first, int end)
 {
-    const struct contact_model *model = &t->to->model;
-    struct transfer_columns *columns = &t->columns;
-    columns->set = (int)(t->to->slots.set_bytes / (model->mixed ? sizeof(float) : sizeof(double)));
-    for (int c = 0; c < HISTORY_COLUMNS; c++) {
-        if (!history_has(model, c))
-            continue;
-        const double factor = history_field(c)->length ? scale : 1;
-        columns->factor[columns->n] = (float)factor;
-        columns->turned[columns->n++] = (float)(history_is_odd(model, c) ? -factor : factor);
-    }
+    const struct transfer *t = context;
+    for (int s = first; s < end; s++)
+        ((float *)t->to->slots.history[t->column])[s] *= t->factor;
+}
+
+static void transfer_column(struct transfer *t)
+{
+    const int slots = t->to->n_sets * SET_WIDTH;
+    team_run_ranges(t->to->team, slots, TRANSFER_GRAIN, transfer_slots, t);
+    if (history_field(t->column)->length && t->factor != 1)
+        team_run_ranges(t->to->team, slots, TRANSFER_GRAIN, convert_slots, t);
 }
 
 enum status history_transfer_close(struct contact_list *list, const struct particles *particles,
@@ -79,13 +83,10 @@ enum status history_transfer_close(struct contact_list *list, const struct parti
     TRY(contact_list_place(list, particles, wall));
     if (list->count == 0)
         return STATUS_OK;
-    if (before->count == 0) {
-        contact_list_empty_slots(list);
-        return STATUS_OK;
-    }
-    struct transfer t = {.to = list, .from = before, .source = source, .search = search};
-    set_columns(&t, before->slots.unit / list->slots.unit);
+    struct transfer t = {list, before, source, search, 0, (float)(before->slots.unit / list->slots.unit)};
     TRY(find_sources(&t));
-    team_run_ranges(list->team, list->n_sets, TRANSFER_SETS, transfer_sets, &t);
+    for (t.column = 0; t.column < HISTORY_COLUMNS; t.column++)
+        if (history_has(&list->model, t.column))
+            transfer_column(&t);
     return STATUS_OK;
 }

@@ -3,7 +3,6 @@
 #ifndef SHAKEDOWN_SIM_NEIGHBOURS_PAIR_SEARCH_H
 #define SHAKEDOWN_SIM_NEIGHBOURS_PAIR_SEARCH_H
 
-#include "sim/contacts/contact_list.h"
 #include "sim/lanes/instruction_set.h"
 #include "sim/neighbours/cell_list.h"
 
@@ -28,20 +27,10 @@ struct search_block {
 typedef enum status pair_search(const struct cell_list *cells, double skin_m, int k, int n, struct search_block *block,
                                 struct pair_buffer *pairs);
 
-/* What the history does on its way from one list to the next: the columns of each set, one of SET_WIDTH members behind
- * the other; how many members it is from a set to the next; and what each column is multiplied by, as it is, and of
- * contacts whose members have changed places. */
-struct transfer_columns {
-    int n, set;
-    float factor[HISTORY_COLUMNS], turned[HISTORY_COLUMNS];
-};
-
-/* Slot s of each column of `to`, whose first set is there, becomes slot source[s] / 2 of `from`, the other way round
- * where source[s] is odd, or 0 where source[s] < 0. No overlap. */
-typedef void transfer_doubles(double *to, const double *from, const int32_t *source, int sets,
-                              const struct transfer_columns *columns);
-typedef void transfer_floats(float *to, const float *from, const int32_t *source, int sets,
-                             const struct transfer_columns *columns);
+/* to[s] = from[source[s] / 2], the other way round where source[s] is odd and `turns`, or 0 where source[s] < 0;
+ * s = 0 ... count - 1. No overlap. */
+typedef void transfer_doubles(double *to, const double *from, const int32_t *source, int count, bool turns);
+typedef void transfer_floats(float *to, const float *from, const int32_t *source, int count, bool turns);
 
 /* to[k] = value[i[k]] + value[j[k]]. */
 typedef void add_values(double *to, const double *value, const int32_t *i, const int32_t *j, int count);

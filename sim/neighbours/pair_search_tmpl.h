@@ -159,30 +159,21 @@ static enum status SEARCH_NAME(pairs)(const struct cell_list *cells, double skin
 }
 
 #define DEFINE_CARRY(real)                                                                                             \
-    /* One set; no branches: they could not be predicted. */                                                           \
-    static inline __attribute__((always_inline)) void SEARCH_NAME(carry_set_##real)(                                   \
-        real *restrict to, const real *restrict from, const int32_t *restrict source,                                  \
-        const struct transfer_columns *restrict columns)                                                               \
+    static inline __attribute__((always_inline)) void SEARCH_NAME(carry_each_##real)(                                  \
+        real *restrict to, const real *restrict from, const int32_t *restrict source, int count, const bool turns)     \
     {                                                                                                                  \
-        int32_t at[SET_WIDTH], there[SET_WIDTH], turned[SET_WIDTH];                                                    \
-        for (int l = 0; l < SET_WIDTH; l++) {                                                                          \
-            there[l] = ~(source[l] >> 31); /* all bits or none */                                                      \
-            turned[l] = source[l] & 1;                                                                                 \
-            const int32_t slot = (source[l] >> 1) & there[l];                                                          \
-            at[l] = slot / SET_WIDTH * columns->set + slot % SET_WIDTH;                                                \
+        for (int s = 0; s < count; s++) {                                                                              \
+            const int32_t there = ~(source[s] >> 31); /* all bits or none; no branch: it could not be predicted */     \
+            const real value = from[(source[s] >> 1) & there];                                                         \
+            to[s] = there ? (turns ? (real)(1 - 2 * (source[s] & 1)) * value : value) : 0;                             \
         }                                                                                                              \
-        for (int c = 0; c < columns->n; c++, to += SET_WIDTH, from += SET_WIDTH)                                       \
-            for (int l = 0; l < SET_WIDTH; l++) {                                                                      \
-                const real value = (real)(turned[l] ? columns->turned[c] : columns->factor[c]) * from[at[l]];          \
-                to[l] = there[l] ? value : 0;                                                                          \
-            }                                                                                                          \
     }                                                                                                                  \
-    static void SEARCH_NAME(carry_##real)(real * to, const real *from, const int32_t *source, int sets,                \
-                                          const struct transfer_columns *columns)                                      \
+    static void SEARCH_NAME(carry_##real)(real * to, const real *from, const int32_t *source, int count, bool turns)   \
     {                                                                                                                  \
-        for (int s = 0; s < sets; s++)                                                                                 \
-            SEARCH_NAME(carry_set_##real)                                                                              \
-        (to + (size_t)s * (size_t)columns->set, from, source + s * SET_WIDTH, columns);                                \
+        if (turns)                                                                                                     \
+            SEARCH_NAME(carry_each_##real)(to, from, source, count, true);                                             \
+        else                                                                                                           \
+            SEARCH_NAME(carry_each_##real)(to, from, source, count, false);                                            \
     }
 DEFINE_CARRY(double)
 DEFINE_CARRY(float)

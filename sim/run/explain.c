@@ -27,12 +27,22 @@ static size_t bytes_per_particle(const struct particles *p)
     size_t sums = (size_t)SUMS_BYTES(p->dimension, frictional, p->mixed);
     size_t record = RECORD_STRIDE(p->dimension, frictional, p->mixed) * sizeof(double);
     size_t columns = (size_t)(p->dimension + p->n_rotations) * real;
-    size_t views = (size_t)VIEW_COLUMNS(p->dimension, frictional, p->mixed) * real;
-    size_t rests = p->mixed ? (size_t)(2 * p->dimension + p->n_rotations) * sizeof(float) : 0;
-    return (reals + frictional) * sizeof(double) + record + sums + columns + views + rests;
+    /* mixed: and a rest of each; with friction lags */
+    size_t views = p->mixed ? (size_t)(4 * p->dimension + 2 * p->n_rotations + frictional) * sizeof(float) : 0;
+    size_t lags = frictional ? LAG_COLUMNS(p->dimension, p->mixed) * real : 0;
+    return (reals + frictional) * sizeof(double) + record + sums + columns + views + lags;
 }
 
-static void explain_contacts(FILE *out, const struct contact_list *list)
+/* What the kernels read and write. */
+static size_t bytes_per_candidate(const struct contact_list *list, int dimension)
+{
+    size_t real = list->model.mixed ? sizeof(float) : sizeof(double), reals = 1;
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        reals += history_has(&list->model, c);
+    return sizeof(uint32_t) + (list->model.mixed ? (1 + (size_t)dimension) * sizeof(float) : 0) + reals * real;
+}
+
+static void explain_contacts(FILE *out, const struct contact_list *list, int dimension)
 {
     const char *last = "";
     fprintf(out, "modelled per candidate contact: force");
@@ -42,7 +52,7 @@ static void explain_contacts(FILE *out, const struct contact_list *list)
             fprintf(out, ", %s", last = name);
     }
     fprintf(out, "%s: %zu bytes\n", list->model.frictional ? "" : "; no tangential force",
-            slot_column_offset(&list->model, SLOT_COLUMNS) / SET_WIDTH);
+            bytes_per_candidate(list, dimension));
 }
 
 /* Walls whose material is not that of the particles. */
@@ -108,7 +118,7 @@ enum status explain_scene(FILE *out, const struct scene *scene)
     fprintf(out, "kernel  %s\n", kernel_set);
     fprintf(out, "modelled per particle: position, velocity, acceleration, force (%d components each)%s: %zu bytes\n",
             p->dimension, p->n_rotations ? ", rotation" : "; no rotation", bytes_per_particle(p));
-    explain_contacts(out, &sample->pairs);
+    explain_contacts(out, &sample->pairs, p->dimension);
     fprintf(out, "starting box %g x %g", sample_box_length_m(sample, 0), sample_box_length_m(sample, 1));
     if (p->dimension == 3)
         fprintf(out, " x %g", sample_box_length_m(sample, 2));

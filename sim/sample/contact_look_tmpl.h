@@ -10,7 +10,8 @@ struct NAME(list_look) {
     const struct contact_list *list;
     const struct wall *wall; /* NULL: pairs */
     const struct contact_law_constants *law;
-    int n_columns; /* of the history, what rounding left out aside, as history_place has them in double: */
+    int n_columns; /* of the history, what rounding left out aside: */
+    int at[HISTORY_COLUMNS];
     struct contact_column column[HISTORY_COLUMNS], rest[HISTORY_COLUMNS];
     bool has_rest[HISTORY_COLUMNS];
 };
@@ -32,6 +33,7 @@ LANES_INLINE struct NAME(list_look) NAME(look_at_list)(const struct sample *samp
         const int rest = history_field(c)->rest, n = look.n_columns;
         if (!look.list->history[c] || history_field(c)->is_rest)
             continue;
+        look.at[n] = c;
         look.column[n] = contact_column_of(look.list, c);
         look.has_rest[n] = look.list->model.mixed && rest;
         if (look.has_rest[n])
@@ -68,7 +70,7 @@ LANES_INLINE void NAME(look_up)(const struct NAME(list_look) * look, int k, cons
         at->turning[c] = p->omega[c][i] - (wall ? 0 : p->omega[c][j]);
 #endif
     for (int n = 0; n < look->n_columns; n++) {
-        double *value = &contact->value[n];
+        double *value = &contact->value[look->at[n]];
         *value = contact_column_value(&look->column[n], list, k);
         if (look->has_rest[n])
             *value += contact_column_value(&look->rest[n], list, k);
@@ -83,8 +85,13 @@ LANES_INLINE void NAME(forces)(const struct NAME(list_look) * look, const struct
                                const struct contact_geometry *g, struct NAME(contact) * contact,
                                struct contact_forces *f)
 {
+    void *history[HISTORY_COLUMNS], *pair[PAIR_CONSTANTS];
     NAME(look_up)(look, k, g, contact);
-    NAME(contact_look)(law, &contact->at, contact->pair, contact->value, f);
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        history[c] = &contact->value[c];
+    for (int c = 0; c < PAIR_CONSTANTS; c++)
+        pair[c] = &contact->pair[c];
+    NAME(contact_look)(law, &contact->at, pair, history, f);
 }
 
 static void NAME(contact_forces_at)(const struct sample *sample, int l, int k, const struct contact_geometry *g,

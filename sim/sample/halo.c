@@ -93,10 +93,10 @@ static void number_partners(const struct cut *cut, struct halo_block *block, con
                             const struct numbers *numbers)
 {
     const int32_t first = block->first_span * SPAN_WIDTH, end = block->last_span * SPAN_WIDTH;
+    uint32_t *row = cut->pairs->slots.partner;
     for (int s = span->whole * SET_WIDTH; s < span->end * SET_WIDTH; s++) {
-        uint32_t *row = contact_slots_partner(&cut->pairs->slots, (size_t)s);
-        const int32_t particle = (int32_t)(*row / cut->stride);
-        if (*row == cut->padding || (particle >= first && particle < end))
+        const int32_t particle = (int32_t)(row[s] / cut->stride);
+        if (row[s] == cut->padding || (particle >= first && particle < end))
             continue;
         if (block->n == block->capacity) {
             block->full = true;
@@ -107,7 +107,7 @@ static void number_partners(const struct cut *cut, struct halo_block *block, con
             *number = block->n;
             block->of[block->n++] = particle;
         }
-        *row = IS_COPY | (uint32_t)*number;
+        row[s] = IS_COPY | (uint32_t)*number;
     }
 }
 
@@ -134,16 +134,15 @@ static void set_rows(void *context, int b)
     const struct cut *cut = context;
     const struct halo_block *block = &cut->halo->block[b];
     const uint32_t own = cut->undo ? cut->padding : cut->stride * (uint32_t)(block->first_row + block->n);
-    const struct contact_slots *slots = &cut->pairs->slots;
+    uint32_t *row = cut->pairs->slots.partner;
     for (int s = block->first_span; s < block->last_span; s++) {
-        const struct contact_span *span = &slots->span[s];
+        const struct contact_span *span = &cut->pairs->slots.span[s];
         for (int at = span->next * SET_WIDTH; at < span->end * SET_WIDTH; at++) {
-            uint32_t *row = contact_slots_partner(slots, (size_t)at);
-            const uint32_t copy = *row & ~IS_COPY;
-            if (*row == cut->padding)
-                *row = own;
-            else if (*row & IS_COPY)
-                *row = cut->stride * (cut->undo ? (uint32_t)block->of[copy] : (uint32_t)block->first_row + copy);
+            const uint32_t copy = row[at] & ~IS_COPY;
+            if (row[at] == cut->padding)
+                row[at] = own;
+            else if (row[at] & IS_COPY)
+                row[at] = cut->stride * (cut->undo ? (uint32_t)block->of[copy] : (uint32_t)block->first_row + copy);
         }
     }
     if (!cut->undo)

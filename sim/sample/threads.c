@@ -205,13 +205,27 @@ struct wall_work {
     struct threads_piece *piece;
 };
 
+static void *skip(void *array, size_t count, bool mixed)
+{
+    return array ? (char *)array + count * (mixed ? sizeof(float) : sizeof(double)) : NULL;
+}
+
 /* The same wall with the contacts of its k-th piece alone. */
 static struct wall piece_of(const struct wall *wall, int k)
 {
     struct wall piece = *wall;
-    const int first = k * THREADS_PIECE_SETS, rest = wall->contacts.n_sets - first;
+    struct contact_slots *slots = &piece.contacts.slots;
+    const int rest = wall->contacts.n_sets - k * THREADS_PIECE_SETS;
+    const size_t first = (size_t)k * THREADS_PIECE_SETS * SET_WIDTH;
+    const bool mixed = wall->contacts.model.mixed;
     piece.contacts.n_sets = rest < THREADS_PIECE_SETS ? rest : THREADS_PIECE_SETS;
-    piece.contacts.slots.set += (size_t)first * wall->contacts.slots.set_bytes;
+    slots->partner += first;
+    slots->gap = skip(slots->gap, first, true);
+    slots->reach = skip(slots->reach, first, mixed);
+    for (int c = 0; c < PAIR_CONSTANTS; c++)
+        slots->pair[c] = skip(slots->pair[c], first, mixed);
+    for (int c = 0; c < HISTORY_COLUMNS; c++)
+        slots->history[c] = skip(slots->history[c], first, mixed);
     return piece;
 }
 
