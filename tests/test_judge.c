@@ -72,11 +72,23 @@ static void the_limit_of_one_size_is_the_closed_form(void **unused)
     fixture_close(&fixture);
 }
 
+static const double HELD_J = 1e-6;
+
+/* The first particle between the walls of x, at an overlap d each, where k d^2 is HELD_J; five steps. */
+static void hold_between_walls(struct fixture *fixture)
+{
+    struct sample *sample = fixture->sample;
+    const double overlap = sqrt(HELD_J / STIFFNESS);
+    sample->walls[0].x = sample->particles.x[0][0] - RADIUS + overlap;
+    sample->walls[1].x = sample->particles.x[0][0] + RADIUS - overlap;
+    must(sample_build_lists(sample));
+    fixture_run(fixture, 5);
+}
+
 /* A particle held by two walls at an overlap d each; the second stage doubles k. Twice k d^2/2 becomes twice as much,
  * so the jump is k d^2 = 1e-6 J, and nothing is missing in the ledger. */
 static void the_ledger_names_a_change_of_material(void **unused)
 {
-    const double overlap = sqrt(1e-6 / STIFFNESS);
     (void)unused;
     struct fixture fixture = fixture_from_text(
         "dimension = 2;\n"
@@ -85,10 +97,7 @@ static void the_ledger_names_a_change_of_material(void **unused)
         "  { name = \"b\"; dt_s = 1e-6; duration_s = 1e-5; material = { kn_n_per_m = 2e5; }; } );\n");
     struct sample *sample = fixture.sample;
     struct measurement m;
-    sample->walls[0].x = sample->particles.x[0][0] - RADIUS + overlap;
-    sample->walls[1].x = sample->particles.x[0][0] + RADIUS - overlap;
-    must(sample_build_lists(sample));
-    fixture_run(&fixture, 5);
+    hold_between_walls(&fixture);
     assert_true(sample->ledger.work_material == 0);
     fixture_run(&fixture, 15);
     assert_int_equal(sample->stage, 1);
@@ -107,19 +116,15 @@ static void the_ledger_names_a_change_of_material(void **unused)
  * is doubted, above 1 % of the scale, where it is more than 1e-5 of what is held, and not below. */
 static void a_residual_is_held_against_what_passed_or_a_thousandth_of_what_is_held(void **unused)
 {
-    const double overlap = sqrt(1e-6 / STIFFNESS), held_j = 1e-6;
     (void)unused;
     struct fixture_options options = {.dimension = 2, .count = 1, .dt_s = 1e-6, .material = "kn_n_per_m = 1e5;"};
     struct fixture fixture = fixture_open(&options);
     struct sample *sample = fixture.sample;
     struct measurement m;
-    sample->walls[0].x = sample->particles.x[0][0] - RADIUS + overlap;
-    sample->walls[1].x = sample->particles.x[0][0] + RADIUS - overlap;
-    must(sample_build_lists(sample));
-    fixture_run(&fixture, 5);
+    hold_between_walls(&fixture);
     const struct {
         double missing_j, ratio; /* of the residual to the scale */
-    } cases[] = {{0.3e-5 * held_j, 0.003}, {3e-5 * held_j, 0.03}, {1e-3 * held_j, 1}, {0.1 * held_j, 1}};
+    } cases[] = {{0.3e-5 * HELD_J, 0.003}, {3e-5 * HELD_J, 0.03}, {1e-3 * HELD_J, 1}, {0.1 * HELD_J, 1}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         must(measure(sample_complete(sample), &m));
         const double before_j = m.residual_j;

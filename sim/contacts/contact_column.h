@@ -11,14 +11,17 @@ struct contact_column {
     bool odd;    /* whether it changes its sign when i and j change places */
 };
 
-static inline struct contact_column contact_column_of(const struct contact_list *list, int c)
+/* Of what the slots of the list have in column c. */
+static inline double contact_column_unit(const struct contact_list *list, int c)
 {
     const struct history_field *field = history_field(c);
+    return field->length ? list->slots.unit : field->force ? list->slots.force_unit : 1;
+}
+
+static inline struct contact_column contact_column_of(const struct contact_list *list, int c)
+{
     const struct contact_slots *slots = &list->slots;
-    struct contact_column column = {.unit = field->length  ? slots->unit
-                                            : field->force ? slots->force_unit
-                                                           : 1,
-                                    .odd = history_is_odd(&list->model, c)};
+    struct contact_column column = {.unit = contact_column_unit(list, c), .odd = history_is_odd(&list->model, c)};
     if (!list->closed)
         column.copy = list->history[c];
     else if (list->model.mixed)
@@ -28,7 +31,7 @@ static inline struct contact_column contact_column_of(const struct contact_list 
     return column;
 }
 
-/* Of member k, as contact_list_value. */
+/* Of member k, as i has it against j. */
 static inline double contact_column_value(const struct contact_column *column, const struct contact_list *list, int k)
 {
     if (column->copy)

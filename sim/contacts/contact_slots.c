@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sim/base/aligned_array.h"
+#include "sim/contacts/contact_column.h"
 #include "sim/contacts/contact_list.h"
 #include "sim/contacts/slot_assignment.h"
 
@@ -39,17 +40,11 @@ static void put(const struct contact_list *list, void *array, size_t slot, doubl
         ((double *)array)[slot] = value;
 }
 
-static double get(const struct contact_list *list, const void *array, size_t slot)
-{
-    return list->model.mixed ? ((const float *)array)[slot] : ((const double *)array)[slot];
-}
-
 /* What column c of member k is multiplied by on its way into the slots: its sign if the slot is j's, and the unit. */
 static double into_slot(const struct contact_list *list, int c, int k)
 {
     const double sign = history_is_odd(&list->model, c) && list->slot[k] % 2 ? -1 : 1;
-    const struct history_field *field = history_field(c);
-    return field->length ? sign / list->slots.unit : field->force ? sign / list->slots.force_unit : sign;
+    return sign / contact_column_unit(list, c);
 }
 
 /* What the ranges of slots or members are filled with. */
@@ -281,9 +276,8 @@ enum status contact_list_close(struct contact_list *list, const struct particles
 
 double contact_list_value(const struct contact_list *list, int c, int k)
 {
-    if (!list->closed)
-        return list->history[c][k];
-    return get(list, list->slots.history[c], list->slot[k] / 2) / into_slot(list, c, k);
+    const struct contact_column column = contact_column_of(list, c);
+    return contact_column_value(&column, list, k);
 }
 
 double contact_list_whole(const struct contact_list *list, int c, int k)
@@ -306,8 +300,11 @@ bool contact_list_slides(const struct contact_list *list, int k)
 
 void contact_list_read_column(struct contact_list *list, int c)
 {
-    for (int k = 0; list->closed && history_has(&list->model, c) && k < list->count; k++)
-        list->history[c][k] = contact_list_value(list, c, k);
+    if (!list->closed || !history_has(&list->model, c))
+        return;
+    const struct contact_column column = contact_column_of(list, c);
+    for (int k = 0; k < list->count; k++)
+        list->history[c][k] = contact_column_value(&column, list, k);
 }
 
 void contact_list_read(struct contact_list *list)
